@@ -42,7 +42,7 @@ struct Arguments {
 
   // True if the option is given; a default does not count.
   bool has(const std::string& option) const { return options.count(option) > 0; }
-  // Return the value of an option, or all values of an option that may be repeated; empty if the option is not given.
+  // text() returns the value of an option, list() the values of a repeatable option; empty if the option is not given.
   std::string text(const std::string& option) const;
   std::vector<std::string> list(const std::string& option) const;
   // Returns the value or the default of an option as a number. Throws InputError if the value is not a number from
@@ -60,7 +60,7 @@ struct Arguments {
   std::filesystem::path pipeline() const;
 };
 
-// Return the value types for `add`: a text, or a list with a text for each time that the option is given.
+// Types of values for CommandOptions::add: textValue() for a text, listValue() for an option that may be repeated.
 inline auto textValue() {
   return cxxopts::value<std::string>();
 }

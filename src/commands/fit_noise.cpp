@@ -45,7 +45,7 @@ void printBands(const std::vector<PatchGroup>& bands) {
   printText("{}\n", formatTable(rows));
 }
 
-// Prints by how much the frame of a scan's points differs from the sensor's, unless both are the same.
+// Prints the rotation and shift of the frame of a scan's points relative to the sensor's frame, unless both are equal.
 void printFrame(const RecordedScan& scan) {
   constexpr double kNoDifference = 1e-4;  // rad and m; chosen by eye
   const Pose& pose = scan.scanFromSensor;

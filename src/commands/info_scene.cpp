@@ -72,8 +72,8 @@ void printClips(const std::filesystem::path& file) {
 
 using CountedColor = std::pair<Rgb, std::uint64_t>;  // a colour and its number of triangles
 
-// Returns the kMostColors most frequent colours, the most frequent first. Colours that a rule for a more frequent
-// colour would match too are merged with the latter. `counts`: number of triangles by colour.
+// Returns the kMostColors most frequent colours, the most frequent first. If the rule for a colour also matches a less
+// frequent colour, both are counted as the former. `counts`: number of triangles by colour.
 std::vector<CountedColor> joinedColors(const std::map<Rgb, std::uint64_t>& counts) {
   constexpr std::size_t kMostColors = 12;  // per material and texture, so that the table stays short
   std::vector<CountedColor> sorted(counts.begin(), counts.end());

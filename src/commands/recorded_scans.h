@@ -24,8 +24,8 @@ void forEachScan(const std::vector<std::string>& paths,
 // says what the user should give.
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& advice);
 
-// Returns the file that the option `out` names. Throws InputError if the option is missing, or if the file must not be
-// written (see prepareOutputFile()).
+// Returns the file that --out names. Throws InputError if the option is missing (the message ends with `advice`), or if
+// the file must not be written (see prepareOutputFile()).
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& advice);
 
 // Adds the option `simulated` of the commands that find a sensor's response.

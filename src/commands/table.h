@@ -9,7 +9,7 @@ namespace scanmill {
 using Rows = std::vector<std::vector<std::string>>;
 
 // Formats rows of cells in aligned columns; the first row is the heading. Columns are right-aligned if all cells below
-// the heading look like numbers. All rows have as many cells as the first.
+// the heading look like numbers. All rows must have as many cells as the first.
 std::string formatTable(const Rows& cells);
 
 // Returns `part` as a percentage of `total`, such as "12.30 %"; "0.00 %" if `total` is 0.

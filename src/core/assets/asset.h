@@ -8,9 +8,9 @@
 
 namespace scanmill {
 
-// Reads the file. Throws an InputError that names the file and the problem: it is absent, empty, truncated, of an
-// unknown kind, or has no triangles. If a texture is missing, warns and gives its material a plain colour. One warning
-// counts all contents of the file that are not read, such as lines and points.
+// Reads the file. Throws an InputError that names the file and the problem, such as a file that is absent, empty,
+// truncated, of an unknown kind or without triangles. If a texture is missing, warns and gives its material a plain
+// colour. One warning counts all contents of the file that are not read, such as lines and points.
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

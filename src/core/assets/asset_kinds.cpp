@@ -148,7 +148,7 @@ std::string otherContent(const fs::path& file) {
 
 std::vector<fs::path> assetsIn(const fs::path& folder) {
   std::error_code error;
-  // Returns a folder's model.sdf or else tileset.json, which names its other files; empty if it has neither.
+  // Returns a folder's model.sdf or else tileset.json, which names the folder's other files; empty if it has neither.
   const auto worldIn = [&](const fs::path& path) {
     for (const char* name : {"model.sdf", "tileset.json"}) {
       if (fs::is_regular_file(path / name, error)) return path / name;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The kinds of files that assets may have, by the endings of their names.
+// The kinds of files that can be read as assets, by the endings of their names.
 
 #include <filesystem>
 #include <string>

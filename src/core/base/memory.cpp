@@ -27,7 +27,7 @@ std::uint64_t leastLimit(const fs::path& root, const std::string& group, const c
   }
 }
 
-// Returns the least limit of memory (bytes) of the program's control groups.
+// Returns the smallest memory limit (bytes) of the program's control groups; UINT64_MAX if they have none.
 std::uint64_t groupLimit() {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   std::ifstream groups("/proc/self/cgroup");

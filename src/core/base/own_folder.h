@@ -33,10 +33,10 @@ bool isWithin(const std::filesystem::path& path, const std::filesystem::path& fo
 // Error's message, as in "a.txt: cannot be written: No such file or directory".
 Descriptor openFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file, const char* what);
 
-// Creates the folder `below` and the folders between. Returns true if `below` is new.
+// Creates the folder `below` and any missing folder between `folder` and `below`. Returns true if `below` is new.
 bool makeFolders(const std::filesystem::path& folder, const std::filesystem::path& below);
 
-// Moves a file and replaces a file that is already there. Creates the folder of `to`.
+// Moves the file `from` to `to`, and replaces a file that is already at `to`. Creates the folder of `to`.
 void moveFile(const std::filesystem::path& folder, const std::filesystem::path& from, const std::filesystem::path& to);
 
 // Removes a file, or a link but not its target. Does nothing if `file` does not exist.

@@ -66,7 +66,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   return pointers;
 }
 
-// Returns this program's environment with changed and added variables, as texts NAME=VALUE.
+// Returns this program's environment, in which `changes` replace or add variables, as texts NAME=VALUE.
 std::vector<std::string> environmentWith(const std::map<std::string, std::string>& changes) {
   std::vector<std::string> variables;
   for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
@@ -106,7 +106,7 @@ std::filesystem::path findProgram(const std::string& name) {
 
 Process::Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment)
     : name_(command.at(0)), errors_(makeFile()) {
-  // Uses a socket, because writing to a pipe without a reader raises a fatal signal.
+  // Uses a socket, because writing to a pipe whose reader has ended raises a fatal signal (SIGPIPE).
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw Error("no socket: " + std::string(std::strerror(errno)));

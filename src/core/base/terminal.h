@@ -1,7 +1,7 @@
 #pragma once
 
-// Text for people, on standard output and standard error. Names that come from files (of members, nodes, columns) may
-// contain any bytes: a terminal must not execute them as commands, nor a reader take them for lines of this program.
+// Writes text for people to standard output and standard error. Names that come from files (of members, nodes, columns)
+// may contain any bytes: a terminal must not execute them as commands, nor a reader take them for this program's text.
 
 #include <fmt/core.h>
 

@@ -294,7 +294,7 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value sampled = value;
     RandomAddress numbered = address;
-    // An item of a choice may be a distribution, too. Nested distributions get successive RandomAddress::number below 16.
+    // An item of a choice may itself be a distribution. Nested distributions get successive numbers below 16.
     for (numbered.number = 0; isDistribution(sampled); numbered.number = (numbered.number + 1) % 16) {
       Fields fields = fieldsOf(sampled);
       sampled = sample(fields, randomNumberOf(key, numbered, fields, place));

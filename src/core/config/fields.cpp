@@ -399,7 +399,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     // A name is near if its edit distance is at most a third of the longer word, or 1; or if one word is a prefix of
     // the other. A name of which all letters differ is not near.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
-    // A name that is a prefix of the word, or starts with it, is nearer than another at the same edit distance.
+    // A name that is a prefix of the word, or begins with the word, is nearer than others at the same edit distance.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);
     if (best.empty() || cost < leastCost) {
       best = name;

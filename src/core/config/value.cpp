@@ -27,7 +27,7 @@ std::vector<std::string> split(std::string_view path) {
   }
 }
 
-// Converts a part of a dotted path to an index of `list`; throws InputError for others. `parent`: the list's name.
+// Converts a part of a dotted path to an index of `list`; throws InputError if this fails. `parent`: name of `list`.
 std::size_t readIndex(const std::string& part, const Value& list, const std::string& parent, const Location& where) {
   std::size_t index = 0;
   const char* end = part.data() + part.size();

@@ -242,7 +242,7 @@ void DatasetFolder::share() {
   }
 }
 
-// Takes the lock under which a process starts a shared dataset. Throws InputError after kProcessWait.
+// Waits for the lock under which a process starts a shared dataset. Throws InputError if this takes over kProcessWait.
 std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
   const auto deadline = std::chrono::steady_clock::now() + kProcessWait;
   std::string holder;  // the process that has the lock

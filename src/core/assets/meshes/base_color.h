@@ -47,8 +47,8 @@ class ColorImages {
   ColorImages& operator=(ColorImages&&) = delete;  // neither copied nor moved
 
   // Returns the image that the asset calls `name`: the result of `embedded` or, if this is absent, the file `name`.
-  // Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although
-  // only images with alpha are needed. `key` identifies the image.
+  // Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although only
+  // images with alpha are needed. `key` identifies the image in the cache.
   enum class Need { AnyImage, ImageWithAlpha };
   std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, Need need,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded = {});

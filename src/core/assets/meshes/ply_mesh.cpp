@@ -178,7 +178,7 @@ class PlyMeshReader {
   double value(Role role) const { return values_[static_cast<std::size_t>(role)]; }
   const std::vector<double>& list(Role role) const { return lists_[static_cast<std::size_t>(role)]; }
 
-  // Returns the number as an index; kNone if it is not from 0 to below `count`.
+  // Returns the number as an index below `count`; kNone if the number is negative, too large or NaN.
   static std::uint32_t indexOf(double number, std::size_t count) {
     return number >= 0 && number < static_cast<double>(count) ? static_cast<std::uint32_t>(number) : kNone;
   }

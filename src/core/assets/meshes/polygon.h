@@ -20,8 +20,8 @@ namespace scanmill {
 // a fan. The time grows with the square of the number of corners, for spirals with its cube.
 class Triangulator {
  public:
-  // `where`: the polygons' file, for messages. `mostTests`: how many times a corner may be compared with an ear; the
-  // default takes about ten seconds.
+  // `where`: the polygons' file, for messages. `mostTests`: largest number of comparisons of a corner with an ear, for
+  // all polygons together; the default takes about ten seconds.
   explicit Triangulator(Location where, double mostTests = 2e9) : where_(std::move(where)), mostTests_(mostTests) {}
 
   // Returns the n - 2 triangles of a polygon with n corners (at least 3), as indices of corners, with the polygon's

@@ -1,6 +1,6 @@
 #pragma once
 
-// Names of other files that an asset's file contains: checks them, and finds the files. The asset may be untrusted.
+// Checks the names of other files that an asset's file contains, and finds these files. The asset may be untrusted.
 
 #include <filesystem>
 #include <optional>
@@ -14,7 +14,7 @@ namespace scanmill {
 // Symbolic links inside of the folder are not checked: the folder's owner is responsible for them.
 bool leadsOutside(const std::string& name);
 
-// Returns the message about a name that leads outside: it contains the name, and says how to allow it by allow_outside.
+// Returns the message about a name that leads outside. The message quotes the name, and advises allow_outside.
 std::string refusalOf(const std::string& name);
 
 // Decodes the escapes of a URI: "%2F" becomes "/". All other text is unchanged.

@@ -1,4 +1,4 @@
-// STL, in text and in binary form ("StereoLithography Interface Specification", 3D Systems, 1989). The keywords of the
+// Reads STL files, text or binary ("StereoLithography Interface Specification", 3D Systems, 1989). The keywords of a
 // text may be in upper case. Each `solid` is a node; a binary file is one node without a name. A file is binary if its
 // size fits the number of triangles in its header, or if it does not begin with `solid`.
 
@@ -23,8 +23,8 @@ namespace scanmill {
 
 namespace {
 
-// Sizes in a binary file (bytes): a text and the number of triangles; then, for each triangle, its normal and its three
-// corners in float32, and two attribute bytes.
+// Layout of a binary file (bytes): a text, the number of triangles and, for each triangle, its normal and its three
+// corners in float32 and two attribute bytes.
 constexpr std::size_t kTextBytes = 80;
 constexpr std::size_t kHeaderBytes = kTextBytes + 4;
 constexpr std::size_t kFacetBytes = 50;
@@ -136,7 +136,7 @@ class StlReader {
     if (triangles > kMostTriangles) fail(fmt::format("has more than {} triangles: split it", kMostTriangles));
   }
 
-  // Returns the next word of the text, and counts the lines before it; empty at the text's end.
+  // Returns the next word of the text, or an empty word at the end. Counts the lines before the word.
   std::string_view nextWord() {
     const std::string_view textBefore = unread_;
     const std::string_view word = takeWord(unread_);

@@ -101,8 +101,8 @@ class HeightAsset {
     }
   }
 
-  // Throws InputError if a latitude is beyond a pole. If a raster seems to be in undeclared degrees, since hills would
-  // be needles in metres, warns if the raster has a coordinate system, else throws InputError.
+  // Throws InputError if a latitude is beyond a pole. If undeclared coordinates seem to be degrees, because hills would
+  // be needles if they were metres, warns if the raster has a coordinate system, else throws InputError.
   void checkCoordinates() const {
     constexpr double kPole = 90 + 1e-6;  // degrees, with rounding
     constexpr double kSteepest = 3;      // largest ratio of height range to horizontal extent of a raster in metres

@@ -255,7 +255,7 @@ class SdfReader {
     return model;
   }
 
-  // Adds a nested model to a model. If it is merged, adds its parts and the models nested in it instead.
+  // Adds a nested model to a model. If the nested model is merged, adds its parts and its nested models instead.
   static void addChild(Model child, Model& model) {
     if (!child.merged) return model.children.push_back(std::move(child));
     for (WorldPart& part : child.parts) {

@@ -64,7 +64,7 @@ class UrdfReader {
     }
   }
 
-  // Throws InputError if a joint names a link that does not exist, or if several links are not the child of a joint.
+  // Throws InputError if a joint names a link that does not exist, or if there are several root links.
   void checkTree() const {
     for (const auto& [child, joint] : joints_) {
       for (const std::string& link : {child, joint.parent}) {

@@ -48,8 +48,8 @@ struct ElementPlace {
   bool isMany = false;  // false: of all elements with these names, a parent may have one
 };
 
-// Counts the children of an element that may not stand in it, and repeated ones where only one may stand. Elements that
-// are not in the table may stand anywhere.
+// Counts the children of an element that may not stand in it, and repeated children where only one may stand. Elements
+// that are not in the table may stand anywhere.
 void countMisplaced(const XmlNode& parent, std::span<const ElementPlace> places, LeftOut& leftOut);
 
 }  // namespace scanmill

@@ -27,7 +27,7 @@ std::string remedyFor(const std::string& kind);
 // Throws an Error that states the problem if the file has materials that assimp does not read.
 std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut);
 
-// The name by which assimp calls the material of surfaces without a material.
+// The name that assimp gives to the material of surfaces without a material.
 inline constexpr const char* kDefaultMaterial = "DefaultMaterial";
 
 // A material of COLLADA, as its effect states it.

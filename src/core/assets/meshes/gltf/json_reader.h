@@ -78,7 +78,7 @@ struct JsonObject {
     return true;
   }
 
-  // Returns the object under a key, with the path of this object for messages; nullopt if the key is absent.
+  // Returns the object under a key; nullopt if the key is absent. Messages call it by the path of *this.
   std::optional<JsonObject> object(const char* key) const {
     const auto value = json.find(key);
     if (value == json.end()) return std::nullopt;
@@ -91,7 +91,7 @@ struct JsonObject {
   }
 };
 
-// Appends read(object) for each object of the file's list under a key.
+// Appends read(object) to `into` for each object of the list that `file` has under a key.
 template <class T, class Read>
 void readEach(const JsonObject& file, const char* key, std::vector<T>& into, const Read& read) {
   const Json& objects = file.list(key);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMostLevels = 512;  // largest depth of nested nodes
 
-// True for extensions that only affect appearance. Materials with transmission are counted when materials are read.
+// True for extensions that only affect appearance and need no warning. Transmission is counted when materials are read.
 bool isAppearance(std::string_view extension) {
   return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_technique") ||
          extension.starts_with("EXT_lights_");

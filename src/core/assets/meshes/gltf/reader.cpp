@@ -387,7 +387,7 @@ class Reader {
     asset_.instanced.push_back(std::move(instanced));
   }
 
-  // Returns the transform from each instance of a node to the node.
+  // Returns for each instance of a node the transform from the instance's frame to the node's frame.
   std::vector<Affine> instanceTransforms(const PlacedNode& placed, const Attributes& attributes) const {
     const std::string what = fmt::format("the instances of '{}'", placed.name);
     const auto numbers = [&](const char* name, std::size_t width) {

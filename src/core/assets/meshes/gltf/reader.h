@@ -20,7 +20,7 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
 
 // Reads the content of a tile of 3D Tiles as readAsset() reads a file. `assetFromTile` transforms the tile's
 // coordinates (m, z up, with RTC_CENTER added) to the asset's frame; `zUpFromGltf` rotates the up axis of the tile's
-// glTF to z. Adds contents that are not read to `leftOut`, instead of a warning.
+// glTF to z. Adds contents that are not read to `leftOut`, instead of warning of them.
 Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
                const AssetOptions& options, LeftOut& leftOut);
 

@@ -18,7 +18,7 @@ constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;  // sizes (bytes)
 constexpr std::uint32_t kTileMagic = 0x6D643362;          // "b3dm"
 constexpr std::size_t kTileHeader = 28;                   // size of a tile's header (bytes)
 constexpr std::uint64_t kMostStride = 252;                // largest stride in a view (bytes; glTF 2.0, 5.11.4)
-// Offsets (bytes) of the fields in a tile's header that state the sizes of the tile's tables (bytes).
+// Offsets (bytes) in a tile's header of the fields that state the sizes of the tile's tables.
 constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
@@ -52,7 +52,7 @@ std::string glbOfTile(const std::string& tile, Container& container) {
 
 constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 
-// Reads buffer, offset, length and stride of a View or a Meshopt.
+// Reads the buffer, offset, length and stride of a View or a Meshopt. Throws InputError for a range beyond the buffer.
 void readRange(const JsonObject& object, auto& range) {
   range.buffer = object.index("buffer", object.model.buffers.size());
   range.offset = object.length("byteOffset");
@@ -118,7 +118,7 @@ void requireInside(const JsonObject& object, Index view, std::uint64_t offset, s
   }
 }
 
-// Returns where the file stores the elements that a sparse accessor replaces: their indices and their new values.
+// Returns where the file stores the indices and the new values of the elements that a sparse accessor replaces.
 Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) {
   const JsonObject indices{object.model, object.json.at("indices"), object.pathOf("indices")};
   const JsonObject values{object.model, object.json.at("values"), object.pathOf("values")};

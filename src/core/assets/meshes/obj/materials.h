@@ -35,7 +35,7 @@ class Statements {
   bool next();
 
   std::string_view keyword() const { return keyword_; }
-  // Returns the line after the keyword, without blanks at both ends, but with a comment: names may contain #.
+  // Returns the line after the keyword, without blanks at both ends but with any comment, since names may contain #.
   std::string_view rest() const { return rest_; }
   // Splits the line behind the keyword, up to a comment, into words. The result is valid until the next call.
   const std::vector<std::string_view>& words();
