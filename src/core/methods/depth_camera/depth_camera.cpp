@@ -343,8 +343,7 @@ class DepthCameraMethod : public DepthCamera {
     return sample;
   }
 
-  // Returns the depth limits of the images. `origins`: the beams' origins (m, rig axes); empty: all at the rig's
-  // origin.
+  // Returns the depth limits of the images. `origins`: the beams' origins (m, rig axes); empty if all are zero.
   DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
     double farthestOrigin2 = 0;  // m^2
     for (const Vec3d& origin : origins) farthestOrigin2 = std::max(farthestOrigin2, dot(origin, origin));

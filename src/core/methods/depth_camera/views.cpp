@@ -68,8 +68,7 @@ void rotateNormals(const Vec3f* normal, const Mat3& rigFromWorld, std::size_t be
   }
 }
 
-// Replaces a range by the range to the tangent plane at the pixel's point, if that range is reliable: see
-// kPlaneErrorBound.
+// Replaces each range by the range to the tangent plane at the pixel's point if kPlaneErrorBound allows that range.
 void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
     const double height = hits.nx[i] * (hits.px[i] - block.ox[i]) + hits.ny[i] * (hits.py[i] - block.oy[i]) +

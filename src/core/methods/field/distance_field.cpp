@@ -61,7 +61,7 @@ constexpr std::size_t kBricksPerTask = 8;
 constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
 
 // Returns the number of bricks for which a moving field with `count` bricks reserves space. On a street this is enough
-// for about twenty moves; then bricks must be copied to a new pool.
+// for about twenty moves of the field; then its bricks must be copied to a new pool.
 constexpr std::size_t withRoom(std::size_t count) {
   return count + count / 2;
 }

@@ -118,14 +118,15 @@ struct DistanceField {
 // Returns the voxel size (m) of the level that is used at a point (field frame).
 double voxelSizeAt(const DistanceField& field, const Vec3f& point);
 
-// Returns the triangle (or kNoTriangle) of the corner nearest to a point (field frame), in a field without lists.
+// Returns the triangle, or kNoTriangle, that is stored at the corner nearest to a point (field frame). The field must
+// have no lists.
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& point);
 
-// The bricks near surfaces ("full bricks") of a moving field: fields at successive positions share a pool, so that
+// The bricks near surfaces ("full bricks") of a moving field. Fields at successive positions share a pool, so that
 // their common bricks are stored once. A brick and its lists of triangles have a fixed index in the pool. Moving a
-// field appends the new bricks, and only these are uploaded to a device that has the earlier ones. If the pool is full,
-// the field gets a new pool, to which the bricks that it still needs are copied. The arrays are never reallocated, so
-// that threads may read bricks while others are appended.
+// field appends its new bricks, and a device that has the earlier bricks needs only the new bricks. If the pool is
+// full, the field gets a new pool, to which the bricks that the field still needs are copied. The arrays are never
+// reallocated, so that threads may read bricks while other bricks are appended.
 struct BrickPool {
   // Reserves space for `capacity` bricks, and none for lists.
   explicit BrickPool(std::size_t capacity) {
