@@ -60,8 +60,7 @@ void appendRack(Shape& s, SurfaceIndex metal, const Vec3d& rear, double wheelRad
 // Appends a basket of wires about a point in front of the handlebar: three rectangles, and 12 wires that connect them.
 void appendBasket(Shape& s, SurfaceIndex metal, const Vec3d& center) {
   constexpr double kHalfHeight = 0.12;
-  // Returns the point at the height z (m, from the center) whose sides are `x` and `y` times the half sides of the
-  // basket.
+  // Returns a point at the height z (m, above `center`). `x`, `y`: from -1 to 1 between opposite sides of the basket.
   const auto at = [&](double x, double y, double z) {
     const double half = 0.12 + z * 0.1;  // m, half of the length along the bicycle; the basket widens upwards
     return center + Vec3d{x * half, y * 1.3 * half, z};

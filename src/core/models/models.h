@@ -130,8 +130,8 @@ class Shape {
   // tube() appends a straight pipe from `a` to `b`; rod() does so with one radius.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
-  // Appends the surface of revolution of a profile (radius, z) about the z axis. The surface faces to the right of
-  // the profile's direction: outwards where the profile goes upwards. `loop`: whether the profile is closed.
+  // Appends the surface of revolution of a profile (radius, z) about the z axis of `pose`. The surface faces to the
+  // right of the profile's direction: outwards where the profile goes upwards. `loop`: whether the profile is closed.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                Loop loop = Loop::Open);
   // Appends a torus about z. `thickness`: radius of its cross section (m); `corners`: the cross section's corners.
@@ -228,7 +228,7 @@ struct TreeModel {
 };
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // number of broadleaf forms; they come first among the kTreeForms forms
-// Builds a tree. `form`: its species; trees whose forms differ by kTreeForms are different trees of one species.
+// Builds a tree. `form` modulo kTreeForms is the species; other forms of a species are different trees.
 // `detail`: factor on the number of leaves; the total leaf area stays the same. `foliage`: fraction of the leaves that
 // are still on a broadleaf tree, 0 to 1; below 0.6, twigs are added. `ragged`: irregularity of a broadleaf's crown: 0
 // is a round crown; 1 is a crown that is heavier on one side, with protruding limbs and gaps between them.

@@ -29,8 +29,7 @@ struct Clothes {
   double girth = 1;  // factor on the width of the trunk and the limbs
 };
 
-// Returns the joint of a limb from `a` to `b`, bent towards `outwards`. The limb's parts are `upper` and `lower` m
-// long.
+// Returns the joint of a limb from `a` to `b`, bent towards `outwards`. `upper`, `lower`: lengths of the two parts (m).
 Vec3d middleJoint(const Vec3d& a, const Vec3d& b, double upper, double lower, const Vec3d& outwards) {
   const double reach = std::min(length(b - a), (upper + lower) * 0.999);
   const Vec3d axis = normalized(b - a);

@@ -73,7 +73,7 @@ void ImageSource::require(PassChoice requested) const {
     for (const ChannelRow& row : kChannels) {
       const bool isNeeded = row.channel != Channel::Range && row.rendered && requested.channels.has(row.channel);
       if (!isNeeded || available.channels.has(row.channel)) continue;  // all images have the range
-      // An image that has the parameters of the surface needs no hint at them: they were not enough.
+      // The hint to add the surface parameters instead of the material is left out if the image has these parameters.
       const bool hasSubstitute = row.channel == Channel::Material && available.surfaceParameters;
       throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
                                    image.camera.name, row.name, hasSubstitute ? "" : insteadOf(row.name)));

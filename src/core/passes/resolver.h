@@ -21,7 +21,7 @@ struct VisibleTriangle {
 };
 
 // Normals, labels and materials are computed in double precision from the scene's triangles, so that they are exact
-// with any renderer. A resolver may be used by several threads at once. The scene must outlive it.
+// with any renderer. A resolver may be used by several threads at once. The scene must outlive the resolver.
 class Resolver {
  public:
   explicit Resolver(const Scene& scene);

@@ -43,7 +43,7 @@ class DeviceFields {
   // Uploads the parts of the field that are not on the device yet. The pools of earlier fields stay on the device, for
   // threads that work on other trajectories. If a new pool would probably bring the total above kMostBytes, the pool
   // replaces the least recently used pool; if memory runs out, all other pools are dropped. If the field still does not
-  // fit, throws an Error worded by the device's ComputeErrorWords.
+  // fit, throws Error (see ComputeErrorWords).
   void ensureUploaded(const std::shared_ptr<const DistanceField>& field);
 
   // The tables of the field that was uploaded last. levels() has two words of 16 bytes per level. The first word has
@@ -109,12 +109,12 @@ class DeviceMarch {
  public:
   explicit DeviceMarch(const ComputeDevice& device);
 
-  // Number of float32 columns of the particles, in fields with lists (most) and without lists (fewest).
+  // Number of float32 columns of the particles: kMostColumns in fields with lists, kFewestColumns in fields without.
   static constexpr std::uint64_t kMostColumns = 14;
   static constexpr std::uint64_t kFewestColumns = 8;
 
   // Uploads the parts of a field that are not on the device yet. If the field has lists, also uploads the world's
-  // triangles, unless they are on the device. Throws an Error, worded by ComputeErrorWords, if something does not fit.
+  // triangles, unless they are on the device. Throws Error (see ComputeErrorWords) if something does not fit.
   void ensureUploaded(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world);
 
   enum class Marching { All, BehindHoles };  // all particles, or only those that continue behind a hole

@@ -48,7 +48,7 @@ class LightFollower {
   }
 
  private:
-  // Fills beamOfRay, weightOfRay and pathOfRay of the hits for the rays traced so far.
+  // Fills beamOfRay, weightOfRay and pathOfRay of the hits for the shot's own rays.
   void markDirectRays() {
     if (hits_.beamOfRay.empty()) {
       hits_.beamOfRay.resize(hits_.rays());

@@ -40,9 +40,10 @@ struct Pane {
 };
 Pane paneOf(double cosine, double index, double inside);
 
-// Returns the fraction of light that a surface reflects as a mirror (`cosine`: of the angle of incidence); 0 if the
-// roughness exceeds kMirrorRoughness. A transmissive material reflects as a pane, others between a metal (Schlick, "An
-// inexpensive BRDF model for physically-based rendering", 1994, eq. 15) and a smooth dielectric (Material::metallic).
+// Returns the fraction of light that a surface reflects as a mirror, at this cosine of the angle of incidence. The
+// fraction is 0 if the roughness exceeds kMirrorRoughness. A transmissive material reflects as a pane. Otherwise
+// Material::metallic interpolates between a metal (Schlick, "An inexpensive BRDF model for physically-based rendering",
+// 1994, eq. 15) and a smooth dielectric.
 double mirrored(const Material& material, double cosine, double reflectance);
 
 // Follows rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as

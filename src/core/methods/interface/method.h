@@ -64,8 +64,8 @@ class Method {
   virtual std::uint64_t memoryBytes() const = 0;
   // Returns this method if it renders passes that can be saved (MethodCapabilities::passes), otherwise null.
   virtual const DepthCamera* depthCamera() const { return nullptr; }
-  // Returns the method's hierarchies of the scene's triangles, for use by other code; their occlusion filter must be
-  // thingFilter() (methods/ray_tracing/unobstructed.h). Null: there are none to share.
+  // Returns the method's hierarchies of the scene's triangles, whose occlusion filter must be thingFilter()
+  // (methods/ray_tracing/unobstructed.h), for use by other code; null if the method has no hierarchies to share.
   virtual const Worlds* worlds() const { return nullptr; }
 };
 

@@ -1,6 +1,6 @@
-// Marches particles in the SIMD lanes of the CPU. The code between HWY_BEFORE_NAMESPACE() and
-// HWY_AFTER_NAMESPACE() is compiled for each instruction set that Highway knows for this kind of CPU, and the
-// best one that the machine has is used.
+// Marches particles in the SIMD lanes of the CPU. The code between HWY_BEFORE_NAMESPACE() and HWY_AFTER_NAMESPACE() is
+// compiled for each instruction set that Highway knows for this kind of CPU; the machine's best instruction set is
+// used.
 
 #ifdef __AVX2__  // a build for this machine's CPU compiles only the CPU's instruction set
 #define HWY_COMPILE_ONLY_STATIC

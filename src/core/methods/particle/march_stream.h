@@ -162,7 +162,8 @@ class ParticleStream {
     record(i, 0, 0, steps, steps >= maxSteps_ ? Outcome::Exhausted : Outcome::Miss);
   }
 
-  // Loads the next particle into a lane. If no particle remains, the lane becomes inactive.
+  // Loads the next particle into a lane; if no particle remains, the lane becomes inactive. Skips and records particles
+  // that have no path or have used up their steps.
   void refill(LaneGroup& group, std::size_t lane) {
     group.active &= ~(LaneBits{1} << lane);
     while (next_ < indices_.size()) {
@@ -438,8 +439,8 @@ class ParticleStream {
     return hits;
   }
 
-  // Records the hit of the particle in a lane of group g. Without lists the corner is recorded; its triangle is looked
-  // up after the march, so its word is prefetched here. The distance travelled is in voxels of level 0.
+  // Records the hit of the particle in a lane of group g; the travelled distance is in voxels of level 0. Without
+  // lists, records the corner and prefetches its entry, from which marchCpu() reads the triangle after the march.
   void recordHit(std::size_t g, std::size_t lane) {
     const LaneGroup& group = groups_[g];
     float travelled = group.travelledBefore[lane];

@@ -1,4 +1,4 @@
-// SIMD lanes by Google Highway, and the intersection of the lines of many particles with the triangles of many lists.
+// Defines SIMD lanes with Google Highway, and intersects the lines of many particles with the triangles of their lists.
 // Included only by march_stream.h, so that no other file uses Highway's types, and once for each instruction set: see
 // march_cpu.cpp.
 #if defined(SCANMILL_MARCH_TRIANGLES_H) == defined(HWY_TARGET_TOGGLE)

@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Returns the triangle that Embree identifies by its ids of the instance, the geometry and the triangle.
+// Returns the triangle with these ids of Embree. `instance`: RTC_INVALID_GEOMETRY_ID for a baked triangle.
 inline HitTriangle hitTriangle(const World& world, std::uint32_t instance, std::uint32_t geometry,
                                std::uint32_t primitive) {
   const PlacedBlock* placed =

@@ -58,7 +58,7 @@ struct Interval {
   double enter, leave;  // distances along a ray (m) at which the ray enters and leaves a box
 };
 
-// Returns the part of a ray (m, relative to the world's origin) in the thing's box; nothing if the ray misses the box.
+// Returns the distances (m) between which a ray is in the thing's box; nothing if the ray misses the box.
 std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d o = extent.boxFromOrigin * origin;
   const Vec3d d = toMatrix(extent.boxFromOrigin.rotation) * direction;

@@ -44,8 +44,7 @@ struct TriangleBlock {
   std::uint32_t firstAlpha = 0;      // triangles with at least this index are alpha-tested
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
-  // Returns a triangle's index in `triangles` from Embree's ids: the geometry, and the triangle's index in the
-  // geometry.
+  // Returns a triangle's index in `triangles` from Embree's ids of the geometry and of the triangle in the geometry.
   std::uint32_t indexOf(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
     return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
   }

@@ -41,7 +41,7 @@ void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::ui
   }
 }
 
-// Labels of the lanes' hits, looked up from their triangles.
+// Labels of the triangles that the lanes' rays hit.
 struct HitLabels {
   std::uint32_t instance[kPacket];
   std::uint16_t semantic[kPacket];
@@ -49,7 +49,7 @@ struct HitLabels {
   std::uint32_t primitive[kPacket];
 };
 
-// Returns the labels of all lanes, 0 without a hit. If neighbouring lanes hit the same triangle, looks it up only once.
+// Returns the labels of all lanes, 0 without a hit. A triangle that neighbouring lanes hit is looked up only once.
 HitLabels labelsOf(const TileHits& tileHits) {
   HitLabels labels{};
   const HitTriangle* lookedUp = nullptr;  // the hit to which `surface` and `primitive` belong
@@ -124,7 +124,7 @@ struct LanePoses {
   }
 };
 
-// Sets up the rays of a tile of one ring and kPacket columns. Each lane has the operations of Mat3 * Vec3d.
+// Sets up the rays of a tile of one ring and kPacket columns. Computes each lane by the operations of Mat3 * Vec3d.
 void setUpRowOfRays(const ShotFrame& frame, const BeamTable& beams, const Tile& tile, Rays& rays) {
   const std::size_t first = std::size_t{tile.ring} * beams.columns + tile.column;
   const std::uint32_t* const step = &frame.step[tile.column];

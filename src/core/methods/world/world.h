@@ -15,7 +15,7 @@
 
 namespace scanmill {
 
-// A mesh, or a part of one, placed by an Embree instance.
+// A mesh, or a part of a mesh, placed by an Embree instance.
 struct PlacedBlock {
   const TriangleBlock* block = nullptr;
   Affine originFromMesh;  // m, relative to the world's origin; for a moving mesh, at the start of the revolution

@@ -162,7 +162,7 @@ std::string windowText(const Imath::Box2i& box) {
   return fmt::format("({}, {}) to ({}, {})", box.min.x, box.min.y, box.max.x, box.max.y);
 }
 
-// Returns width and height of a box (px), whose corners may be any 32-bit integers. Throws InputError if too large.
+// Returns the width and height (px) of a box with any 32-bit corners. Throws InputError for too large or empty boxes.
 std::pair<std::uint32_t, std::uint32_t> sizeOf(const std::string& name, const Imath::Box2i& box) {
   const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;

@@ -16,7 +16,7 @@
 namespace scanmill {
 
 // Writes hits to an EXR file. The same hits give the same bytes. The file gets its final name only when it is complete.
-// Throws Error if it cannot be written.
+// Throws Error if the file cannot be written.
 void writeHits(const std::filesystem::path& path, const Hits& hits);
 
 // Returns the channels that a file of hits has. Throws InputError if the file is not EXR.

@@ -196,7 +196,7 @@ ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
   return range;
 }
 
-// Reserves space for triangles, with cut-outs if `cut` is true. Throws Error if the triangles are more than `limit`.
+// Reserves space for triangles, with cut-outs if `cut` is true. Throws Error for more than `limit` triangles.
 void reserve(ViewBatch& batch, std::uint64_t triangles, bool cut, std::uint64_t limit) {
   if (triangles > limit) {
     throw Error(

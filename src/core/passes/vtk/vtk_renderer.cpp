@@ -134,9 +134,9 @@ class DrawnView {
     return {camera_.width, camera_.height, static_cast<float>(limits_.nearest), placements_, solid_, cut_};
   }
 
-  // Returns the triangle that a pixel (its index in the image) shows if the image's value at the pixel is `number`;
-  // none if `number` is 0 or the triangle is beyond the far limit. The depth is the depth of the triangle's plane at
-  // the pixel's centre, computed in double and clamped to the depths of the triangle's corners.
+  // Returns the triangle that pixel `pixel` of the image shows if the pixel's value is `number`; none if `number` is 0
+  // or the triangle is beyond the far limit. The depth is the depth of the triangle's plane at the pixel's centre,
+  // computed in double and clamped to the depths of the triangle's corners.
   VisibleTriangle triangleAt(std::uint32_t pixel, std::uint32_t number) const {
     if (number == 0) return {};
     const auto nextChunk = std::ranges::upper_bound(firstNumbers_, number);
@@ -161,7 +161,7 @@ class DrawnView {
   }
 
  private:
-  // A visible instance of the scene, and the transform from the camera's frame to its mesh's frame.
+  // A visible instance of the scene, and the transform from the camera's frame to the frame of the instance's mesh.
   struct Frame {
     std::uint32_t instance;
     Mat3 meshFromCamera;

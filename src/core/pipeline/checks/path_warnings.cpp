@@ -171,8 +171,8 @@ class PathCheck {
     }
   }
 
-  // Warns if a sensor is probably inside of an object or of a building: all test rays to its sides and upwards hit
-  // surfaces within its range, which all have the same class and do not belong to moving objects.
+  // Warns if a sensor is probably inside of an object or of a building: all test rays, sideways and upwards, hit
+  // surfaces within the sensor's range, and these surfaces have one class and do not belong to moving objects.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = upwardDirections();
     for (const std::uint32_t frame : sequence_.spreadFrames(kInsideFrames)) {
@@ -266,8 +266,8 @@ class PathCheck {
     return steps;
   }
 
-  // True for triangles that the vehicle may not touch: steep ones, and all of thing classes that are not ground. False
-  // for moving objects, and for gentle slopes of ground or stuff, since recorded heights of ground are not exact.
+  // True for triangles that the vehicle may not touch: steep triangles, and all triangles of thing classes that are not
+  // ground. False for moving objects, and for gentle slopes of ground or stuff, since recorded heights are not exact.
   bool isObstacle(const Instance& instance, const Surface& surface, const Vec3d& normal) const {
     if (instance.moves()) return false;
     if (std::fabs(normal.z) <= kWallNormal) return true;

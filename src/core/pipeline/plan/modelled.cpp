@@ -55,7 +55,7 @@ void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
   }
 }
 
-// Adds items about classes of the scenes that the ontology named by the pipeline lacks or merges.
+// Adds items about the scenes' classes that are absent or merged in the ontology that the pipeline names.
 void addLabels(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
   if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   const Ontology ontology = readOntology(pipeline.ontology);

@@ -99,7 +99,7 @@ void checkVoxels(const Pipeline& pipeline) {
                    "output.columns, or write `motion: {steps: per_column, deskew: true}`");
 }
 
-// Throws InputError if the beams differ from the recording's: the recorded ranges would be combined with wrong
+// Throws InputError if the beams differ from the recorded beams: recorded ranges would be combined with wrong
 // directions.
 void checkBeams(const Recording& recording, const MountedSensor& sensor, const BeamTable& beams) {
   for (const RecordedSensor& recorded : recording.sensors) {

@@ -48,7 +48,7 @@ const RecordedSensor& recordedSensor(const Recording& recording, const MountedSe
                    suggestion(sensor.name, recordedNames));
 }
 
-// Sets the sensors' mounts to the recorded mounts, if any. Throws InputError if the pipeline gives others.
+// Sets the sensors' mounts to the recorded mounts. Throws InputError if the pipeline has other sensors or mounts.
 void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Value& list) {
   for (std::size_t i = 0; i < pipeline.sensors.size(); ++i) {
     MountedSensor& sensor = pipeline.sensors[i];
@@ -67,7 +67,7 @@ void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Va
 }
 
 // Returns a sensor's name, which becomes part of file names: the key `name` or, without the key, `fallback`. Throws
-// InputError if it is empty, has characters that file names do not have, or is the name of an `earlier` sensor.
+// InputError if the name is empty, has characters that file names do not have, or is the name of an `earlier` sensor.
 std::string readSensorName(Fields& fields, const std::string& fallback, const std::vector<MountedSensor>& earlier) {
   const std::string name = fields.text("name", fallback);
   const Value* const nameValue = fields.find("name");

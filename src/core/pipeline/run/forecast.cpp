@@ -55,7 +55,7 @@ double numberOr(const Value& map, std::string_view key, double fallback) {
   return number;
 }
 
-// Returns the keys of the town among a scene's objects; null if there is none.
+// Returns the keys of the town among a scene's objects; null if no object is a town.
 const Value* townIn(const Value& objects) {
   for (const Value& object : objects.items) {
     if (const Value* const town = object.find("town")) return town;

@@ -38,7 +38,7 @@ struct SampleCosts {
   double byteSpread = 1;           // factor by which the size may be larger or smaller than expected
 };
 
-// Reads the plan's pipeline again with additional arguments of --set, which override all others.
+// Reads the plan's pipeline again with additional arguments of --set, which override all earlier arguments.
 using Reread = std::function<Pipeline(const std::vector<std::string>&)>;
 
 // Measures the costs of samples by making one sample of the small town for each thread. If the pipeline has a

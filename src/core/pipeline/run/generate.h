@@ -51,8 +51,7 @@ struct GenerateSummary {
   bool complete = false;        // the dataset is complete, whichever process completed it
   std::size_t shards = 0;       // number of shards that this process has made
   std::size_t samplesMade = 0;  // number of samples in the shards that this process has made
-  // Number of samples in the shards that this process made or found. `beams`, `points`, `bytes`: sums over these
-  // shards.
+  // Samples in the shards that this process made or found. `beams`, `points`, `bytes`: totals of these shards.
   std::size_t samples = 0;
   double seconds = 0;
   std::uint64_t beams = 0;
@@ -69,8 +68,8 @@ struct GenerateSummary {
 // folder's contents do not allow what `options` ask for.
 void checkFolder(const GenerateOptions& options);
 
-// Returns the manifest of a plan's dataset if the folder holds the complete dataset, otherwise nothing. Throws
-// InputError if a shard is missing or has the wrong size.
+// Returns the manifest of a plan's dataset if the folder has the complete dataset, and tidies the folder; otherwise
+// returns nothing. Throws InputError if a shard is missing or has the wrong size.
 [[nodiscard]] std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
 
 // Makes the dataset of a plan, or some of its shards. Throws InputError for an unusable scene or folder, and Error if

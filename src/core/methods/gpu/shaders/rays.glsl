@@ -21,8 +21,8 @@ double rotated(uint row, dvec3 v) {
   return product;
 }
 
-// Returns the origin (m, relative to the world's origin) and the unit direction of a ray, with the same bits as
-// setUpRays() in methods/world/resolve.h. `firstPose`: index of the shot's first pose among the poses of all shots.
+// Returns the origin (m, relative to the world's origin) and the unit direction of a ray, with the bits of setUpRays()
+// (methods/world/resolve.h). `firstPose`: index of the shot's first pose in `poses`. `withOrigins`: reads `origins`.
 void rayOf(uint ray, uint column, uint firstPose, bool withOrigins, out dvec3 o, out dvec3 d) {
   uint pose = 12u * (firstPose + stepOfColumn[column]);
   dvec3 direction = dvec3(directions[3u * ray], directions[3u * ray + 1u], directions[3u * ray + 2u]);

@@ -30,7 +30,7 @@ double voxelSizeAt(vec3 q) {
   return voxel * double(uintBitsToFloat(uint(127 + levelAt(q)) << 23));
 }
 
-// Returns the triangle stored at the corner nearest to a point, or kNoTriangle.
+// Returns the triangle stored at the corner nearest to the point `q`; kNoTriangle in a brick that is not full.
 uint triangleAt(vec3 q) {
   Voxel v = voxelOf(q, levelAt(q));
   return v.full ? fetch(trianglesOrLists, v.nearest) : kNoTriangle;
