@@ -102,7 +102,7 @@ bool sameReference(const Raster& a, const Raster& b);
 double shiftBetween(const std::string& reference, const std::string& other, double x, double y);
 
 // Returns the numbers of the bands for red, green and blue. If the file does not name these bands, they are 1, 2, 3 or,
-// with fewer than three colour bands, 1, 1, 1. Throws InputError also for colour tables and colours other than RGB.
+// with fewer than three colour bands, 1, 1, 1. Throws InputError, also for colour tables, CMYK, HLS and YCbCr.
 std::array<int, 3> colorBands(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -49,7 +49,7 @@ class Scan {
   ColumnSet columnsIfEmpty;            // columns of a scan without points; unused if the scan has points
 
   // The reason of each beam (a Reason, scan/reasons.h), indexed by ring * columns + column; empty unless
-  // ScanLayout::reasons is true. It is no column, which has a value per point: beams without return have a reason too.
+  // ScanLayout::reasons is true. It is not a column, since beams without a return have a reason but no point.
   std::vector<std::uint8_t> reasonOfBeam;
 
   std::size_t size() const { return position.size(); }

@@ -57,10 +57,10 @@ class SceneBuilder {
   // Counts triangles that were dropped before their mesh was passed to addMesh().
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }
 
-  // Adds the counts in `use` to the entry of Scene::rules with the same RuleUse::where; appends `use` if there is none.
+  // Counts triangles to which no rule gives a class.
   void addUnlabeled(const UnlabeledPart& part, std::uint64_t triangles) { scene_.unlabeled[part] += triangles; }
 
-  // Adds the counts of a rule to those in Scene::rules. RuleUse::where identifies the rule.
+  // Adds the counts in `use` to the entry of Scene::rules with the same RuleUse::where, or adds `use` as a new entry.
   void countRule(const RuleUse& use);
 
   // Sets Scene::about, the description of a random place.

@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Those fields of Material that determine the reflectance at a hit; without the material's strings.
+// The fields of Material that are needed for the reflectance at a hit; small, since strings are left out.
 struct CompactMaterial {
   float reflectance = 0;
   float textureGain = 0;             // reflectance / mean luminance of the texture; 0 if not textured

@@ -36,7 +36,7 @@ Vec3d pointAround(const Vec3d& center, double distance, int direction) {
   return {center.x + distance * std::cos(angle), center.y + distance * std::sin(angle), center.z};
 }
 
-// The surfaces of a trip's classes.
+// The road of a trip: all surfaces of the trip's classes.
 class Road {
  public:
   Road(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip)

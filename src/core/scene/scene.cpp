@@ -84,8 +84,8 @@ Box boxAround(const Affine& transform, const Box& box) {
 namespace {
 
 // Corners are treated as collinear if twice the triangle's area, divided by the product of the lengths of two sides, is
-// at most this limit: rounding in double arithmetic on float32 coordinates could have the same effect. The thinnest
-// triangle that float32 can represent is far above the limit.
+// at most this limit: double arithmetic on float32 coordinates cannot tell whether such corners are collinear. The
+// thinnest triangle that float32 can represent is far above the limit.
 constexpr double kCollinear = 1e-14;
 
 bool isDegenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {

@@ -112,8 +112,8 @@ struct Instance {
   std::string name;
   std::shared_ptr<const Movement> movement = nullptr;    // null: the instance does not move
   std::shared_ptr<const Animation> animation = nullptr;  // null: the instance always shows the same mesh
-  // The direction in which the instance's things face (rad, from the mesh's x axis towards its y axis). If it is not
-  // set, a thing faces along the mesh's x axis if it is the mesh's only thing; otherwise its direction is unknown.
+  // The direction in which the instance's things face (rad, from the mesh's x axis towards its y axis). If `facing`
+  // is not set, the only thing of a mesh faces along the mesh's x axis; one of several things has no known direction.
   std::optional<double> facing = {};
 
   bool moves() const { return movement != nullptr || animation != nullptr; }

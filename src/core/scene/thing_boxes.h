@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// The smallest box around a thing that has the axes of `worldFromBox`.
+// A box around a thing: the smallest of all boxes along the axes of `worldFromBox`.
 struct OrientedBox {
   Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up for the thing
   Vec3d size;         // m: length along x, width along y, height along z

@@ -117,8 +117,8 @@ void cutPiece(const TrianglePiece& piece, const VoxelRange& range, std::array<st
 }
 
 // Calls visit(voxel, area) for each voxel of a range in which a triangle has some area, in the order of the voxels'
-// indices. `area`: the triangle's area in the voxel. The unit of length is a voxel's edge: voxel i of an axis is [i, i
-// + 1). A voxel that the triangle only touches is not visited.
+// indices. `area`: the triangle's area in the voxel. A voxel that the triangle only touches is not visited.
+// The unit of length is a voxel's edge: voxel i of an axis is [i, i + 1).
 template <class Visit>
 void forEachPiece(const std::array<Vec3d, 3>& corners, const VoxelRange& range, const Visit& visit) {
   std::array<std::int64_t, 3> voxel{};

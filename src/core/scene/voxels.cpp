@@ -125,7 +125,7 @@ std::uint64_t SceneVoxels::memoryBytes() const {
   return bytes;
 }
 
-// Returns the class of each surface of a mesh. An object that ever moves has the ontology's class for moving objects.
+// Returns the class of each surface of a mesh; for an object that ever moves, its class for moving objects, if any.
 std::vector<std::uint16_t> SceneVoxels::classesOf(const Instance& instance, const Mesh& mesh) const {
   std::vector<std::uint16_t> classes;
   for (const Surface& surface : mesh.surfaces) {

@@ -20,7 +20,7 @@ struct VoxelLabels {
   std::vector<std::uint32_t> unlabeled;
 };
 
-// Labels voxels of a scene, which must outlive this object. Several threads may use it.
+// Labels voxels of a scene, which must outlive this object. Safe to use from several threads.
 class SceneVoxels {
  public:
   explicit SceneVoxels(const Scene& scene);

@@ -115,7 +115,7 @@ std::string readPattern(Fields& conditions, std::string_view key) {
   return pattern;
 }
 
-// Reads "#rrggbb".
+// Reads a colour "#rrggbb". Throws InputError for any other text.
 Rgb readColor(const Value& value) {
   const std::string text = value.kind == Value::Kind::Scalar ? value.text : std::string();
   std::uint32_t rgb = 0;

@@ -53,7 +53,7 @@ std::string describe(const Rule& rule);
 // Returns the file name at the end of a texture's path, whose folders are separated by slashes or backslashes.
 std::string_view textureName(std::string_view path);
 
-// The names of a part that patterns are compared with. A name that the part does not have is empty.
+// Names of a part, for comparison with the patterns of rules. A name that the part does not have is empty.
 struct Names {
   std::string_view node, material, texture, file;
 };

@@ -49,7 +49,7 @@ class Effect {
   virtual std::uint32_t mostReturns(std::uint32_t before) const { return before; }
   // Throws InputError if the options do not fit the sensor, for example if a list does not have one value per ring.
   virtual void check(const BeamTable& /*beams*/) const {}
-  // Returns the effect's assumptions for values that the sensor's file lacks, as a phrase for users; empty without any.
+  // Returns the effect's assumptions for values that the sensor's file lacks, as a phrase for users; may be empty.
   virtual std::string assumed(const BeamTable& /*beams*/) const { return {}; }
   // Sets `power` to the power that the receiver gets from each ray, weighted by the ray's fraction of the beam's power,
   // so that the power of an echo is the sum over its rays. Returns false if this effect does not compute power.

@@ -43,7 +43,7 @@ std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
       points.push_back(p);
     }
   }
-  // Moves the point on the axis, which is in the middle of the list, to its start.
+  // Moves the point on the axis from the middle of the list to its start.
   std::iter_swap(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2));
   const double scale = moment > 0 ? std::sqrt(kSecondMoment * sum / moment) : 1;
   for (GridPoint& p : points) p = {p.x * scale, p.y * scale, p.weight / sum};

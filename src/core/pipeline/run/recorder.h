@@ -34,7 +34,7 @@ class Recorder {
   // registered already, or if nothing is recorded.
   void enter(std::size_t sequence, const Scene& scene, const Method& method);
   void writeHits(const Shot& shot, const Hits& hits);
-  // Writes the images of one step and adds them to `record`. When all steps are in `record`, writePasses() adds it.
+  // Writes the images of one step and adds them to `record`. writePasses() adds a complete `record` to the recording.
   void writeStep(const PassStep& step, RecordedShot& record);
   void writePasses(const RecordedShot& record);
 

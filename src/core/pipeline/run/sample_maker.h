@@ -138,7 +138,7 @@ class SceneStore {
 
  private:
   struct Slot;
-  // Warnings about a sequence. The first sequence of each scene also has the warnings and the account of its scene.
+  // Warnings about a sequence. `loaded`, `ofScene` and `account` are set only for the first sequence of each scene.
   struct SceneWarnings {
     bool loaded = false;       // the scene was loaded at least once
     bool pathChecked = false;  // the trajectory was checked for warnings

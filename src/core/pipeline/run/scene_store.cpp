@@ -49,7 +49,7 @@ SceneStore::SceneStore(ShotSource& source, std::function<void(const Sequence&)> 
 
 SceneStore::~SceneStore() = default;
 
-// True if one more scene fits into memory in addition to the scenes in use.
+// True if no scene is in use, or if one more scene fits into memory in addition to the scenes in use.
 bool SceneStore::fitsOneMore() const {
   const auto usedScenes = std::ranges::count_if(slots_, [](const auto& s) { return s.second.use_count() > 1; });
   if (usedScenes == 0) return true;
@@ -58,7 +58,7 @@ bool SceneStore::fitsOneMore() const {
   return plan_.bytesInMemory(static_cast<std::uint64_t>(usedScenes + 1) * largest_) <= memoryLimitBytes();
 }
 
-// Returns the slot of a scene, new and empty if the scene is not loaded. Waits until one more scene fits into memory.
+// Returns a scene's slot. If the scene is not loaded, waits until one more scene fits into memory and adds a slot.
 std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
   std::list<std::shared_ptr<Slot>> unloaded;  // removed scenes; the destructors run after the lock is released
   std::unique_lock lock(mutex_);

@@ -19,7 +19,7 @@ constexpr std::size_t kBeamsAtOnce = 1024;  // number of beams that a thread pro
 constexpr std::uint8_t kEnds = 1;
 constexpr std::uint8_t kPasses = 2;
 
-// Sets a bit of a voxel's mark. Several threads may mark the same voxel at a time; bits are never cleared.
+// Sets a bit of a voxel's mark. Several threads may mark the same voxel at once; bits are never cleared.
 void setBit(std::uint8_t& mark, std::uint8_t bit) {
   const std::atomic_ref<std::uint8_t> shared(mark);
   if ((shared.load(std::memory_order_relaxed) & bit) == 0) shared.fetch_or(bit, std::memory_order_relaxed);

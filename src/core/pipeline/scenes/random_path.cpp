@@ -335,7 +335,7 @@ class PathSearch {
 };
 
 // Tests kHeadings evenly spaced headings at `position`, of which the first is random. Returns the state from which a
-// vehicle can drive farthest straight ahead; nothing if it can drive at most two arcs' length in all headings.
+// vehicle can drive farthest straight ahead; nothing if it cannot drive farther than two arcs in any heading.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d position, RandomNumbers& random) {
   constexpr int kHeadings = 32;
   constexpr int kFarEnough = 40;  // m; longer distances are not measured

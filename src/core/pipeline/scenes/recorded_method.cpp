@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError if hits have a material index outside of the recording's material table, which effects index by it.
+// Throws InputError if a material index of the hits is too large for the recording's material table, which effects use.
 void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hits) {
   if (hits.material.empty() || !hits.roughness.empty()) return;
   const std::size_t tableIndex = recording.sequences[shot.scene].materials;

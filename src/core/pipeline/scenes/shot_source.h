@@ -83,7 +83,7 @@ struct SceneChanges {
   bool placeable = false;                            // see Scene::placeable
 };
 
-// The revolutions of each sensor that get a shot in a frame: only the one that begins with the frame, or all
+// The revolutions of each sensor that get a shot in a frame: only the revolution that begins with the frame, or all
 // revolutions in the dataset's sample (see Sequence::revolutions()).
 enum class Revolutions { First, All };
 

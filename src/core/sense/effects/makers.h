@@ -1,6 +1,6 @@
 #pragma once
 
-// The makers of the effects, for the rows of effects(); each is in the effect's file.
+// The makers of the effects, for the rows of effects(). Each maker is defined in the file of its effect.
 
 #include <memory>
 
