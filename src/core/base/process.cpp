@@ -112,7 +112,7 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
     throw Error("no socket: " + std::string(std::strerror(errno)));
   const Descriptor ownEnd(ends[0]);
   const Descriptor childEnd(ends[1]);
-  // If a standard stream was closed, the socket has its number and would get this program's output: take a higher one.
+  // In place of a closed standard stream, the socket would get this program's own output: take a higher number.
   socket_ = Descriptor(::fcntl(ownEnd.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   if (!socket_.open()) throw Error("no socket: " + std::string(std::strerror(errno)));
   SpawnActions actions;

@@ -1,9 +1,9 @@
 // Reads meshes from PLY files, text or binary. Properties may have any type.
 //
-// element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
-// element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
-// of its image
-// comment TextureFile NAME    an image, as MeshLab writes it
+//   element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
+//   element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
+//                      of its image
+//   comment TextureFile NAME    an image, as MeshLab writes it
 
 #include <fmt/format.h>
 

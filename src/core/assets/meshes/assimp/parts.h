@@ -21,9 +21,9 @@ std::string remedyFor(const std::string& kind);
 
 // Reads an AC3D file (AC3Db or AC3Dc), counts what is left out, and returns the text, changed for assimp:
 // - at most one texture per object. Racing games write several. The texture with the role `base`, or else the first
-// texture, is the colour and is kept; the others are shading and skid marks;
+//   texture, is the colour and is kept; the others are shading and skid marks;
 // - the transform of an object (`rot`, `loc`) in a group around the object and its kids: assimp would shift surfaces
-// before it rotates them, and would not shift kids.
+//   before it rotates them, and would not shift kids.
 // Throws an Error that states the problem if the file has materials that assimp does not read.
 std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut);
 

@@ -152,7 +152,7 @@ class Importer {
     }
     if (scene_ == nullptr) failReading(reason(importer_.GetErrorString()));
     if (scene_->mRootNode == nullptr) failReading("it has no nodes");
-    // The importer decides by the content, not the ending, and may have read a file of another kind.
+    // The importer may have recognised another kind of file by its content, whatever the ending says.
     aiString format;
     if (scene_->mMetaData != nullptr) scene_->mMetaData->Get(AI_METADATA_SOURCE_FORMAT, format);
     if (format != aiString(isCollada_ ? "Collada Importer" : "AC3D Importer")) failReading("it is of another kind");

@@ -3,12 +3,12 @@
 // Reads material libraries of Wavefront OBJ files (.mtl): "Appendix B2. Material Library File Format (.mtl)", with the
 // physically based keys Pr and Pm.
 //
-// newmtl NAME
-// Kd r [g b]                       base colour, linear; a single number is grey; with neither Kd nor map_Kd a
-// material states no colour
-// d [-halo] F, Tr F                opacity, or 1 - opacity
-// Pr F, Pm F                       roughness, metallic
-// map_Kd, map_d [options] FILE     image of the base colour, or of the opacity; the name may contain spaces
+//   newmtl NAME
+//   Kd r [g b]                       base colour, linear; a single number is grey; with neither Kd nor map_Kd a
+//                                    material states no colour
+//   d [-halo] F, Tr F                opacity, or 1 - opacity
+//   Pr F, Pm F                       roughness, metallic
+//   map_Kd, map_d [options] FILE     image of the base colour, or of the opacity; the name may contain spaces
 //
 // The options -s and -o scale and shift the texture coordinates. If a material has both images, map_Kd's options hold
 // for both. Other keys do not say how a surface reflects in the near infrared.

@@ -1,11 +1,11 @@
 // Reads the polygons of Wavefront OBJ files ("Appendix B1. Object Files (.obj)" of the Advanced Visualizer's manual),
 // with coordinates in double precision.
 //
-// v x y z [w] [r g b [a]]    a vertex; its weight and its colour are not used
-// vt u [v [w]]               texture coordinates
-// f v[/vt][/vn] ...          a polygon; negative indices count from the latest vertex
-// o NAME, g NAME             the node of the faces that follow: the group if there is one, else the object
-// usemtl NAME, mtllib FILE   materials; a line may name several libraries
+//   v x y z [w] [r g b [a]]    a vertex; its weight and its colour are not used
+//   vt u [v [w]]               texture coordinates
+//   f v[/vt][/vn] ...          a polygon; negative indices count from the latest vertex
+//   o NAME, g NAME             the node of the faces that follow: the group if there is one, else the object
+//   usemtl NAME, mtllib FILE   materials; a line may name several libraries
 
 #include <fmt/format.h>
 
