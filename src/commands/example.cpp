@@ -79,10 +79,8 @@ int runExample(const std::vector<std::string>& arguments) {
   const std::string name = parsed.positional("NAME");
   const auto example = std::ranges::find(examples, name, &Example::name);
   if (example == examples.end()) {
-    std::vector<std::string> names;
-    for (const Example& other : examples) names.push_back(other.name);
-    throw InputError(
-        fmt::format("there is no example '{}'{}; `scanmill example` lists them", name, suggestion(name, names)));
+    throw InputError(fmt::format("there is no example '{}'{}; `scanmill example` lists them", name,
+                                 suggestion(name, namesOf(examples))));
   }
   const fs::path folder = parsed.has("out") ? fs::path(parsed.text("out")) : fs::path(".");
   for (const fs::path& file : example->files) prepareOutputFile(folder / file.filename(), parsed);

@@ -27,9 +27,7 @@ std::string layoutLines() {
 
 int runExport(const std::vector<std::string>& arguments) {
   CommandOptions options("export");
-  std::vector<std::string> names;
-  for (const LayoutEntry& entry : layouts()) names.emplace_back(entry.name);
-  options.add("to", fmt::format("{}", fmt::join(names, ", ")), textValue(), "LAYOUT");
+  options.add("to", fmt::format("{}", fmt::join(namesOf(layouts()), ", ")), textValue(), "LAYOUT");
   options.add("o,out", "folder to write", textValue(), "DIR");
   options.add(
       "classes",

@@ -178,7 +178,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& sweepO
     printText("{}: is complete: there is nothing to resume\n", folder.string());
     return;
   }
-  checkFolder(options);  // before the forecast, which takes a second
+  DatasetFolder::check(folder, options.use());  // before the forecast, which takes a second
   const bool forecasts = sweepOverrides.empty() && plan.pipeline.rays() >= kRaysWorthAForecast && !options.quiet &&
                          !options.resume && allShards;
   const std::optional<Forecast> predicted = forecasts ? printForecastOf(parsed, plan) : std::nullopt;

@@ -65,6 +65,26 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
 // Returns the hint for an unknown word: " (did you mean 'x'?)" if a name is near, else " (known: a, b, c)".
 std::string suggestion(std::string_view word, const std::vector<std::string>& names);
 
+// Returns the names of `entries`, in their order.
+template <class Entries>
+std::vector<std::string> namesOf(const Entries& entries) {
+  std::vector<std::string> names;
+  names.reserve(std::size(entries));
+  for (const auto& entry : entries) names.emplace_back(entry.name);
+  return names;
+}
+
+// Returns the entry called `name`. If there is none, throws an InputError, in which `kind` says what the entries are,
+// such as "format".
+template <class Entries>
+const auto& requireNamed(const Entries& entries, std::string_view kind, std::string_view name,
+                         const Location& where = {}) {
+  for (const auto& entry : entries) {
+    if (entry.name == name) return entry;
+  }
+  throw InputError(where, "unknown {} '{}'{}", kind, name, suggestion(name, namesOf(entries)));
+}
+
 // Reads one map. Keeps a reference to the Value, which must outlive this object.
 class Fields {
  public:

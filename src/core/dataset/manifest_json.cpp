@@ -139,11 +139,6 @@ Manifest withSamplesOfFiles(Manifest manifest, const std::filesystem::path& fold
   return manifest;
 }
 
-// Returns the description of a sample for the manifest or for a file beside a shard.
-OrderedJson sampleEntry(const SampleRecord& sample, const Manifest& manifest) {
-  return jsonOf(sample, sample.key, {&manifest.ontology, &manifest});
-}
-
 // Returns the description of a sample for its member `<key>.json`, see sampleJson().
 OrderedJson sampleObject(const SampleRecord& sample) {
   const KeyParts parts = partsOfKey(sample.key);
@@ -240,7 +235,9 @@ std::string toJson(const Manifest& manifest) {
   std::vector<std::string> samples;
   if (!hasSamplesFiles(manifest)) {
     samples.reserve(manifest.samples.size());
-    for (const SampleRecord& sample : manifest.samples) samples.push_back(layOut(sampleEntry(sample, manifest), 2));
+    for (const SampleRecord& sample : manifest.samples) {
+      samples.push_back(layOut(jsonOf(sample, sample.key, {&manifest.ontology, &manifest}), 2));
+    }
   }
   constexpr std::string_view kKey = "\n \"samples\": ", kNull = "null";  // describe() writes null for the samples
   const std::size_t key = text.rfind(kKey);  // occurs once, since JSON strings escape line breaks
@@ -255,7 +252,10 @@ std::string samplesFileOf(const std::string& shardFile) {
 
 std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers) {
   OrderedJson samples = OrderedJson::array();
-  for (const std::uint64_t number : numbers) samples.push_back(sampleEntry(manifest.samples[number], manifest));
+  for (const std::uint64_t number : numbers) {
+    const SampleRecord& sample = manifest.samples[number];
+    samples.push_back(jsonOf(sample, sample.key, {&manifest.ontology, &manifest}));
+  }
   return layOut({{"shard", manifest.shards[shard].file}, {"numbers", numbers}, {"samples", samples}}) + "\n";
 }
 

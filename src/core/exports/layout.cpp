@@ -48,12 +48,7 @@ std::span<const LayoutEntry> layouts() {
 }
 
 const LayoutEntry& requireLayout(std::string_view name) {
-  std::vector<std::string> names;
-  for (const LayoutEntry& entry : kLayouts) {
-    if (entry.name == name) return entry;
-    names.emplace_back(entry.name);
-  }
-  throw InputError(fmt::format("unknown layout '{}'{}", name, suggestion(name, names)));
+  return requireNamed(kLayouts, "layout", name);
 }
 
 bool listsObjects(const ExportPlan& plan) {

@@ -25,12 +25,7 @@ std::span<const FormatEntry> formats() {
 }
 
 const FormatEntry& requireFormat(std::string_view name, const Location& where) {
-  std::vector<std::string> names;
-  for (const FormatEntry& entry : formats()) {
-    if (entry.name == name) return entry;
-    names.emplace_back(entry.name);
-  }
-  throw InputError(where, "unknown format '{}'{}", name, suggestion(name, names));
+  return requireNamed(formats(), "format", name, where);
 }
 
 const FormatEntry* formatBySuffix(std::string_view suffix) {

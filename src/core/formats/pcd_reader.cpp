@@ -264,12 +264,10 @@ class BodyReader {
   const PcdField& require(std::string_view name) const {
     const PcdField* field = find(name);
     if (field != nullptr) return *field;
-    std::vector<std::string_view> names;
-    for (const PcdField& other : header_.fields) names.push_back(other.name);
     throw InputError(where_,
                      "there is no field {}, but {}: name the coordinates x, y and z in FIELDS; a "
                      "field of three values becomes three in SIZE, TYPE and COUNT, too",
-                     name, fmt::join(names, ", "));
+                     name, fmt::join(namesOf(header_.fields), ", "));
   }
 
   // Returns a scan without points, which has the header's rings and columns and the names of its columns.

@@ -73,10 +73,7 @@ const MethodEntry* findMethod(std::string_view name) {
 }
 
 const MethodEntry& requireMethod(std::string_view name, const Location& where) {
-  if (const MethodEntry* entry = findMethod(name)) return *entry;
-  std::vector<std::string> names;
-  for (const MethodEntry& entry : kMethods) names.emplace_back(entry.name);
-  throw InputError(where, "unknown method '" + std::string(name) + "'" + suggestion(name, names));
+  return requireNamed(kMethods, "method", name, where);
 }
 
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can) {

@@ -66,12 +66,7 @@ std::vector<Item> readSizes(const Value* list, std::string_view key, std::size_t
 }  // namespace
 
 const Material& MaterialLibrary::require(std::string_view name, const Location& where) const {
-  std::vector<std::string> names;
-  for (const Material& m : materials) {
-    if (m.name == name) return m;
-    names.push_back(m.name);
-  }
-  throw InputError(where, "there is no material '{}'{}", name, suggestion(name, names));
+  return requireNamed(materials, "material", name, where);
 }
 
 MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm) {

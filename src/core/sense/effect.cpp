@@ -151,12 +151,7 @@ double intensityFullScale(EffectList effects) {
 }
 
 const EffectEntry& requireEffect(std::string_view name, const Location& where) {
-  for (const EffectEntry& entry : effects()) {
-    if (entry.name == name) return entry;
-  }
-  std::vector<std::string> names;
-  for (const EffectEntry& entry : effects()) names.emplace_back(entry.name);
-  throw InputError(where, "unknown effect '{}'{}", name, suggestion(name, names));
+  return requireNamed(effects(), "effect", name, where);
 }
 
 }  // namespace scanmill

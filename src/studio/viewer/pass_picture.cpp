@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "config/fields.h"
 #include "dataset/names.h"
 #include "dataset/recording.h"
 #include "passes/exr/exr_file.h"
@@ -164,8 +165,7 @@ class PlaneMaker {
 
 // Removes all planes except the plane with this name. Throws InputError if there is no such plane.
 void keepPlane(std::vector<PassPlane>& planes, const std::string& name, const std::filesystem::path& file) {
-  std::vector<std::string> names;
-  for (const PassPlane& p : planes) names.push_back(p.name);
+  const std::vector<std::string> names = namesOf(planes);
   if (std::ranges::find(names, name) == names.end()) {
     throw InputError({file.string()}, "has no plane '{}'; it has {}", name, fmt::join(names, ", "));
   }
@@ -184,10 +184,8 @@ std::vector<std::string> materialsOf(const Recording& recording, const std::stri
     sequence = &s;
     longestPrefix = prefix.size();
   }
-  std::vector<std::string> names;
-  if (sequence == nullptr || sequence->materials >= recording.materials.size()) return names;
-  for (const Material& m : recording.materials[sequence->materials]) names.push_back(m.name);
-  return names;
+  if (sequence == nullptr || sequence->materials >= recording.materials.size()) return {};
+  return namesOf(recording.materials[sequence->materials]);
 }
 
 }  // namespace

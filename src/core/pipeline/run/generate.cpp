@@ -27,11 +27,6 @@ namespace scanmill {
 
 namespace {
 
-FolderUse useOf(const GenerateOptions& options) {
-  if (options.shards.kind != ShardChoice::Kind::All) return FolderUse::Share;
-  return options.resume ? FolderUse::Resume : options.overwrite ? FolderUse::Replace : FolderUse::New;
-}
-
 // A shard that is being written.
 struct OpenShard {
   OpenShard(const std::filesystem::path& folder, const ShardJob& job, DatasetPart newPart,
@@ -59,7 +54,7 @@ class DatasetRun {
         options_(options),
         jobs_(shardJobs(plan_)),
         planned_(datasetPlan(plan_, jobs_)),
-        folder_(options.folder, useOf(options), planned_),
+        folder_(options.folder, options.use(), planned_),
         base_(startManifest(source, planned_)),
         raysPerSample_(pipeline_.rays() / static_cast<double>(pipeline_.frames())),
         open_(jobs_.size()),
@@ -353,10 +348,6 @@ void checkSeparateFolders(const Plan& plan, const GenerateOptions& options) {
 }
 
 }  // namespace
-
-void checkFolder(const GenerateOptions& options) {
-  DatasetFolder::check(options.folder, useOf(options));
-}
 
 std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder) {
   std::error_code failure;

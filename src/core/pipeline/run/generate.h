@@ -14,12 +14,11 @@
 #include <vector>
 
 #include "base/stage_clock.h"
+#include "dataset/dataset_folder.h"
 #include "dataset/manifest.h"
 #include "pipeline/plan/plan.h"
 
 namespace scanmill {
-
-struct DatasetPlan;
 
 // The shards of the plan that a process makes. With Listed and Any, other processes, also on other machines, may work
 // in the same folder at the same time. The process then skips complete shards, and waits for shards that another
@@ -44,6 +43,11 @@ struct GenerateOptions {
   bool quiet = false;
   // A flag that a signal handler sets; once the flag is true, generate() throws Error. Null: there is no flag.
   const std::atomic<bool>* stop = nullptr;
+
+  FolderUse use() const {
+    if (shards.kind != ShardChoice::Kind::All) return FolderUse::Share;
+    return resume ? FolderUse::Resume : overwrite ? FolderUse::Replace : FolderUse::New;
+  }
 };
 
 struct GenerateSummary {
@@ -63,10 +67,6 @@ struct GenerateSummary {
   std::size_t resumedShards = 0;  // number of shards that were complete before, or that other processes made meanwhile
   std::vector<std::string> warnings;  // lines about the scenes and sequences, see pipeline/checks/warnings.h
 };
-
-// Throws, as generate() does before it computes anything, if another process writes the output folder, or if the
-// folder's contents do not allow what `options` ask for.
-void checkFolder(const GenerateOptions& options);
 
 // Returns the manifest of a plan's dataset if the folder has the complete dataset, and tidies the folder; otherwise
 // returns nothing. Throws InputError if a shard is missing or has the wrong size.

@@ -65,10 +65,6 @@ void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
   record.steps.push_back(std::move(written));
 }
 
-void Recorder::writePasses(const RecordedShot& record) {
-  writer_->add(record);
-}
-
 Recording Recorder::describe() const {
   Recording recording;
   recording.kind = kind_;

@@ -36,7 +36,7 @@ class Recorder {
   void writeHits(const Shot& shot, const Hits& hits);
   // Writes the images of one step and adds them to `record`. writePasses() adds a complete `record` to the recording.
   void writeStep(const PassStep& step, RecordedShot& record);
-  void writePasses(const RecordedShot& record);
+  void writePasses(const RecordedShot& record) { writer_->add(record); }
 
   void finish();
   // Returns the seconds spent on writing so far, under the names "write_hits" and "write_passes".

@@ -343,12 +343,9 @@ constexpr std::array<KindOfWeather, 4> kKinds{{
 }  // namespace
 
 std::unique_ptr<Effect> makeWeather(Fields& options) {
-  std::vector<std::string> names;
-  names.reserve(kKinds.size());
-  for (const KindOfWeather& kind : kKinds) names.emplace_back(kind.name);
   options.also({"kind", "severity", "rate_mm_h", "visibility_m", "wet", "least", "label"}).finish();
   options.require("kind");
-  const std::string name = options.choice("kind", names, "");
+  const std::string name = options.choice("kind", namesOf(kKinds), "");
   const KindOfWeather& kind = *std::ranges::find(kKinds, name, &KindOfWeather::name);
   if (const Value* amount = options.find(kind.otherKey)) {
     throw InputError(amount->where, fmt::format("effect weather: give the amount of {} by `{}`", name, kind.amountKey));

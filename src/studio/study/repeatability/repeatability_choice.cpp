@@ -47,12 +47,7 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
 
 std::size_t readReference(const Value& value, const std::vector<NoiseLevel>& levels) {
   const std::string name = readText(value, "repeatability.reference");
-  std::vector<std::string> names;
-  for (const NoiseLevel& level : levels) {
-    if (level.name == name) return names.size();
-    names.push_back(level.name);
-  }
-  throw InputError(value.where, "repeatability.reference: unknown noise level '{}'{}", name, suggestion(name, names));
+  return static_cast<std::size_t>(&requireNamed(levels, "noise level", name, value.where) - levels.data());
 }
 
 IcpOptions readIcp(const Value& value) {
