@@ -35,7 +35,10 @@ class Reader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_}, what); }
+  template <class... Values>
+  [[noreturn]] void fail(fmt::format_string<Values...> problem, Values&&... values) const {
+    throw InputError({file_}, fmt::format(problem, std::forward<Values>(values)...));
+  }
 
   // Returns the value of a key in a group (new firmware) or at the top level (old firmware); null if it is missing.
   const Value* find(const char* group, const char* key) const {
@@ -64,14 +67,14 @@ class Reader {
     const std::vector<double> altitudes = readNumbers(*altitudeValue, "beam_altitude_angles");
     const std::vector<double> azimuths = readNumbers(*azimuthValue, "beam_azimuth_angles");
     if (altitudes.empty() || altitudes.size() != azimuths.size()) {
-      fail(fmt::format("has {} beam_altitude_angles and {} beam_azimuth_angles", altitudes.size(), azimuths.size()));
+      fail("has {} beam_altitude_angles and {} beam_azimuth_angles", altitudes.size(), azimuths.size());
     }
     std::size_t unused = 0;
     for (std::size_t i = 0; i < altitudes.size(); ++i) unused += altitudes[i] == 0 && azimuths[i] == 0 ? 1 : 0;
     for (std::size_t i = 0; i < altitudes.size(); ++i) {
       if (unused > 1 && altitudes[i] == 0 && azimuths[i] == 0) continue;
       if (std::fabs(altitudes[i]) > 90 || std::fabs(azimuths[i]) > 180) {
-        fail(fmt::format("beam {} has the altitude {:g} and the azimuth {:g} deg", i, altitudes[i], azimuths[i]));
+        fail("beam {} has the altitude {:g} and the azimuth {:g} deg", i, altitudes[i], azimuths[i]);
       }
       m.elevation.push_back(altitudes[i]);
       m.azimuth.push_back(azimuths[i] == 0 ? 0 : -azimuths[i]);
@@ -81,8 +84,8 @@ class Reader {
     const double pixels = pixelCount == nullptr ? 0 : readNumber(*pixelCount, "pixels_per_column");
     if (pixelCount != nullptr && pixels != static_cast<double>(m.elevation.size()) &&
         pixels != static_cast<double>(altitudes.size())) {
-      fail(fmt::format("has angles of {} beams, {} of which are unused, but its pixels_per_column are {:g}",
-                       altitudes.size(), altitudes.size() - m.elevation.size(), pixels));
+      fail("has angles of {} beams, {} of which are unused, but its pixels_per_column are {:g}", altitudes.size(),
+           altitudes.size() - m.elevation.size(), pixels);
     }
   }
 
@@ -96,15 +99,14 @@ class Reader {
       unsigned rate = 0;
       if (std::sscanf(text.c_str(), "%ux%u%c", &m.columns, &rate, &trailing) != 2 || m.columns == 0 || rate == 0 ||
           m.columns > kMostColumns || rate > kHighestRate) {
-        fail(fmt::format("has the lidar_mode '{}', but it must be columns x revolutions per second, such as 1024x10",
-                         text));
+        fail("has the lidar_mode '{}', but it must be columns x revolutions per second, such as 1024x10", text);
       }
       m.rate = rate;
     }
     if (const Value* const fps = format("fps")) {
       const double hertz = readNumber(*fps, "fps", {0.01, kHighestRate});
       if (m.rate != 0 && hertz != m.rate) {
-        fail(fmt::format("has fps {:g} and the lidar_mode '{}': correct one of them", hertz, text));
+        fail("has fps {:g} and the lidar_mode '{}': correct one of them", hertz, text);
       }
       m.rate = hertz;
     }
@@ -112,7 +114,7 @@ class Reader {
     if (columns == nullptr) return;
     const double count = readNumber(*columns, "columns_per_frame", {1, kMostColumns});
     if (count != std::floor(count) || (m.columns != 0 && count != m.columns)) {
-      fail(fmt::format("has columns_per_frame {:g} and the lidar_mode '{}': correct one of them", count, text));
+      fail("has columns_per_frame {:g} and the lidar_mode '{}': correct one of them", count, text);
     }
     m.columns = static_cast<std::uint32_t>(count);
   }
@@ -133,7 +135,7 @@ class Reader {
     if (window == nullptr || m.columns == 0) return;
     const auto isColumn = [&](double c) { return c >= 0 && c < m.columns && c == std::floor(c); };
     if (columns.size() != 2 || !isColumn(columns[0]) || !isColumn(columns[1])) {
-      fail(fmt::format("has a column_window that is not [first, last] within its {} columns", m.columns));
+      fail("has a column_window that is not [first, last] within its {} columns", m.columns);
     }
     m.firstColumn = static_cast<std::uint32_t>(columns[0]);
     const auto last = static_cast<std::uint32_t>(columns[1]);
@@ -177,9 +179,9 @@ class Reader {
 
   [[noreturn]] void failTransform(const char* key) const {
     fail(
-        fmt::format("{} tilts, mirrors or shifts the beams sideways, which is not read: set the key to null, and give "
-                    "its transform by `mount`",
-                    key));
+        "{} tilts, mirrors or shifts the beams sideways, which is not read: set the key to null, and give "
+        "its transform by `mount`",
+        key);
   }
 
   // Returns the 16 numbers of a transform, row by row; nullopt if the file lacks it. Throws InputError unless the
@@ -188,7 +190,7 @@ class Reader {
     const Value* const found = find(group, key);
     if (found == nullptr) return std::nullopt;
     const std::vector<double> t = readNumbers(*found, key);
-    if (t.size() != 16) fail(fmt::format("{} must have 16 numbers", key));
+    if (t.size() != 16) fail("{} must have 16 numbers", key);
     const double deviation = std::fabs(t[0] - t[5]) + std::fabs(t[1] + t[4]) +
                              std::fabs(t[0] * t[0] + t[4] * t[4] - 1) + std::fabs(t[2]) + std::fabs(t[6]) +
                              std::fabs(t[8]) + std::fabs(t[9]) + std::fabs(t[10] - 1);

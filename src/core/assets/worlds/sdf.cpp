@@ -164,9 +164,7 @@ class SdfReader {
   // `depth`: the number of models and worlds that contain the element, 0 for a world. `state`: the state of the
   // <model>; a <world> contains its own state.
   Model contentsOf(const XmlNode& around, const std::filesystem::path& file, int depth, State state) {
-    if (depth > kDeepestModel) {
-      around.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
-    }
+    if (depth > kDeepestModel) around.fail("is nested in more than {} models: does one include itself?", kDeepestModel);
     chargeCopies(1, around.where, kBytesPerModel);
     Model contents;
     contents.frames = std::make_shared<SdfFrames>();
@@ -331,16 +329,16 @@ class SdfReader {
   // Returns the model of an included file; null if the file has a light or an actor instead. Else throws InputError.
   const XmlNode* modelIn(const XmlNode& root, const XmlNode& include) {
     if (root.name == "robot") {
-      root.fail(fmt::format(
+      root.fail(
           "is a URDF, but {} includes it: convert it by `gz sdf -p FILE` and include the SDF, or load it as an object "
           "of its own",
-          include.where.text()));
+          include.where.text());
     }
     const XmlNode* const model = root.child("model");
     if (model != nullptr) return model;
     if (root.child("actor") != nullptr) world_.leftOut.addKeyword(sdfFormat(), "actor");
     if (root.child("light") != nullptr || root.child("actor") != nullptr) return nullptr;
-    root.fail(fmt::format("has no model, but {} includes it", include.where.text()));
+    root.fail("has no model, but {} includes it", include.where.text());
   }
 
   // Returns the existing file that model.config in a folder lists with the highest version; without any, model.sdf.
@@ -352,9 +350,7 @@ class SdfReader {
     for (const XmlNode& sdf : readXml(config).children) {
       if (sdf.name != "sdf") continue;
       const std::string version = sdf.attributeOr("version", "0");
-      if (version.find_first_of("0123456789") != 0) {
-        sdf.fail(fmt::format("has the version '{}', which is no number", version));
-      }
+      if (version.find_first_of("0123456789") != 0) sdf.fail("has the version '{}', which is no number", version);
       // strverscmp() compares the numbers in the texts, so that 1.10 is greater than 1.9.
       if (::strverscmp(version.c_str(), highestVersion.c_str()) <= 0) continue;
       if (!std::filesystem::exists(folder / sdf.text, ignored)) continue;

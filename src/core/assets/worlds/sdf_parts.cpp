@@ -127,7 +127,7 @@ SdfPose readSdfPose(const XmlNode& owner) {
   const std::string format = element->attributeOr("rotation_format", "euler_rpy");
   const bool isQuaternion = format == "quat_xyzw";
   if (!isQuaternion && format != "euler_rpy") {
-    element->fail(fmt::format("has the rotation_format '{}', but it must be euler_rpy or quat_xyzw", format));
+    element->fail("has the rotation_format '{}', but it must be euler_rpy or quat_xyzw", format);
   }
   // The numbers are the position, then the quaternion x, y, z, w or roll, pitch and yaw.
   const std::vector<double> n = numbersIn(*element, element->text, isQuaternion ? 7 : 6);
@@ -142,7 +142,7 @@ void SdfFrames::add(const std::string& name, const Frame& frame) {
   const auto earlier = byName.find(name);
   const bool isNameOfLink = earlier != byName.end() && earlier->second.node->name == "link";
   if (isNameOfLink && frame.node->name == "link") {
-    frame.node->fail(fmt::format("has the name '{}', as another link: links need names of their own", name));
+    frame.node->fail("has the name '{}', as another link: links need names of their own", name);
   }
   if (!isNameOfLink) byName[name] = frame;
 }
@@ -155,20 +155,17 @@ Pose SdfFrames::resolve(const std::string& name, const XmlNode& from) const {
 Pose SdfFrames::resolve(const std::string& name, const XmlNode& from,
                         std::set<std::pair<const SdfFrames*, std::string>>& visited) const {
   if (name.empty() || name == "__model__" || name == "__root__" || (isWorld && name == "world")) return {};
-  if (!visited.emplace(this, name).second) {
-    from.fail(fmt::format("has a pose relative to '{}', which is relative to itself", name));
-  }
-  if (visited.size() > kLongestChain)
-    from.fail(fmt::format("has a pose relative to a chain of more than {} frames", kLongestChain));
+  if (!visited.emplace(this, name).second) from.fail("has a pose relative to '{}', which is relative to itself", name);
+  if (visited.size() > kLongestChain) from.fail("has a pose relative to a chain of more than {} frames", kLongestChain);
   // Files that sdformat 1.7 flattened have colons in the names of frames.
   const std::size_t colons = byName.contains(name) ? std::string::npos : name.find("::");
   const auto found = byName.find(name.substr(0, colons));
   if (found == byName.end() && substitute) return resolve(*substitute, from, visited);
-  if (found == byName.end()) from.fail(fmt::format("has a pose relative to '{}', but this frame does not exist", name));
+  if (found == byName.end()) from.fail("has a pose relative to '{}', but this frame does not exist", name);
   const Frame& frame = found->second;
   const Pose pose = resolve(frame.pose.relativeTo, *frame.node, visited) * frame.pose.pose;
   if (colons == std::string::npos) return pose;
-  if (frame.inside == nullptr) from.fail(fmt::format("has a pose relative to '{}', which is not in a model", name));
+  if (frame.inside == nullptr) from.fail("has a pose relative to '{}', which is not in a model", name);
   return pose * frame.inside->resolve(name.substr(colons + 2), from, visited);
 }
 

@@ -1,7 +1,5 @@
 #include "assets/worlds/solids.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <boost/polygon/polygon.hpp>
 #include <cmath>
@@ -24,13 +22,13 @@ namespace {
 std::string sizeText(const XmlNode& shape, std::string_view key, std::string_view fallback) {
   if (const std::string* attribute = shape.attribute(key)) return *attribute;
   if (const XmlNode* element = shape.child(key)) return element->text;
-  if (fallback.empty()) shape.fail(fmt::format("has no {}", key));
+  if (fallback.empty()) shape.fail("has no {}", key);
   return std::string(fallback);
 }
 
 // Returns `size`. Throws InputError unless `size` is above 0.
 double positive(const XmlNode& shape, double size) {
-  if (!(size > 0)) shape.fail(fmt::format("has the size {:g}, but sizes must be above 0", size));
+  if (!(size > 0)) shape.fail("has the size {:g}, but sizes must be above 0", size);
   return size;
 }
 
@@ -170,7 +168,7 @@ std::array<float, 4> colorOf(const XmlNode& node, std::string_view text, LeftOut
 Mesh extrudedPolylines(const XmlNode& geometry) {
   const XmlNode& first = *geometry.child("polyline");
   const double height = numbersIn(first, first.textOf("height", "1"), 1).front();
-  if (!(height > 0)) first.fail(fmt::format("has the height {:g}, but it must be above 0", height));
+  if (!(height > 0)) first.fail("has the height {:g}, but it must be above 0", height);
   gtl::polygon_set_data<int> covered;
   double corners = 0;
   for (const XmlNode& child : geometry.children) {
@@ -180,8 +178,7 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
     gtl::operators::operator^=(covered, outline);
   }
   constexpr double kMostCorners = 20'000;  // this many take some seconds to process
-  if (corners > kMostCorners)
-    first.fail(fmt::format("and those beside it have {} points: give them as a mesh", corners));
+  if (corners > kMostCorners) first.fail("and those beside it have {} points: give them as a mesh", corners);
   Mesh mesh;
   std::vector<gtl::polygon_with_holes_data<int>> walls;
   covered.get(walls);
@@ -207,7 +204,7 @@ Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file) {
   const Raster raster = readRaster(file, {.georeferenced = false});
   const bool statesNoHeights = isImage(raster, file);
   if (raster.width < 2 || raster.height < 2) {
-    shape.fail(fmt::format("names '{}', which has not two rows and two columns of samples", file.string()));
+    shape.fail("names '{}', which has not two rows and two columns of samples", file.string());
   }
   auto [low, high] = raster.range();
   if (statesNoHeights) low = 0;

@@ -59,7 +59,7 @@ class UrdfReader {
       if (child.name == "joint") readJoint(child);
       const std::string name = child.attributeOr("name", "link");
       if (child.name == "link" && !links_.insert(name).second) {
-        child.fail(fmt::format("has the name '{}', as another link: links need names of their own", name));
+        child.fail("has the name '{}', as another link: links need names of their own", name);
       }
     }
   }
@@ -78,8 +78,7 @@ class UrdfReader {
       const std::string name = link.attributeOr("name", "link");
       if (link.name != "link" || joints_.contains(name)) continue;
       if (rootLink) {
-        link.fail(fmt::format("'{}' and '{}' are both the child of no joint, but only one link can be the root", name,
-                              *rootLink));
+        link.fail("'{}' and '{}' are both the child of no joint, but only one link can be the root", name, *rootLink);
       }
       rootLink = name;
     }
@@ -127,7 +126,7 @@ class UrdfReader {
     const auto linkOf = [&](const char* role) {  // "parent" or "child"
       const XmlNode* const element = joint.child(role);
       const std::string* const link = element == nullptr ? nullptr : element->attribute("link");
-      if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", role));
+      if (link == nullptr) joint.fail("has no <{} link=\"...\">", role);
       return *link;
     };
     const auto number = [&](const char* element, const char* attribute) {
@@ -141,7 +140,7 @@ class UrdfReader {
       world_.leftOut.add("joints whose limits or offsets (mimic) exclude 0, where all joints are");
     }
     if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
-      joint.fail(fmt::format("gives the link '{}' a second parent joint", linkOf("child")));
+      joint.fail("gives the link '{}' a second parent joint", linkOf("child"));
     }
   }
 
@@ -177,7 +176,7 @@ class UrdfReader {
     Affine robotFromLink;
     std::set<std::string> visitedLinks;
     for (auto joint = joints_.find(name); joint != joints_.end(); joint = joints_.find(name)) {
-      if (!visitedLinks.insert(name).second) link.fail(fmt::format("'{}' is its own ancestor by the joints", name));
+      if (!visitedLinks.insert(name).second) link.fail("'{}' is its own ancestor by the joints", name);
       robotFromLink = joint->second.parentFromChild * robotFromLink;
       name = joint->second.parent;
     }

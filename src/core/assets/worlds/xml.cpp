@@ -93,10 +93,6 @@ std::string XmlNode::textOf(std::string_view childName, std::string_view fallbac
   return found == nullptr ? std::string(fallback) : found->text;
 }
 
-void XmlNode::fail(const std::string& problem) const {
-  throw InputError(where, "<{}> {}", name, problem);
-}
-
 XmlNode readXml(const std::filesystem::path& file) {
   return Reader(file).read();
 }
@@ -106,11 +102,11 @@ std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::s
   for (const std::string_view word : wordsOf(text)) {
     double number = 0;
     if (!parseNumber(word, number) || !std::isfinite(number)) {
-      node.fail(fmt::format("has {}, but must have a number here", quotedForMessage(word)));
+      node.fail("has {}, but must have a number here", quotedForMessage(word));
     }
     numbers.push_back(number);
   }
-  if (numbers.size() != count) node.fail(fmt::format("has {} numbers, but must have {}", numbers.size(), count));
+  if (numbers.size() != count) node.fail("has {} numbers, but must have {}", numbers.size(), count);
   return numbers;
 }
 

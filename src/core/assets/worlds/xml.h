@@ -29,7 +29,10 @@ struct XmlNode {
   std::string textOf(std::string_view childName, std::string_view fallback) const;
 
   // Throws InputError at this element.
-  [[noreturn]] void fail(const std::string& problem) const;
+  template <class... Values>
+  [[noreturn]] void fail(fmt::format_string<Values...> problem, Values&&... values) const {
+    throw InputError(where, "<{}> {}", name, fmt::format(problem, std::forward<Values>(values)...));
+  }
 };
 
 // Reads a file. Throws InputError with the file and its line if it is not XML, is nested deeper than 64 elements, or is

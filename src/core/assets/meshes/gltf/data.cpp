@@ -157,7 +157,7 @@ Data::Data(const Model& model) : model_(model), buffers_(model.buffers.size()), 
 
 std::string_view Data::buffer(Index index) const {
   const Buffer& described = model_.buffers[index];
-  if (!described.problem.empty()) model_.fail(described.problem);
+  if (!described.problem.empty()) model_.fail("{}", described.problem);
   if (described.uri.empty()) return model_.bin;
   std::optional<std::string>& bytes = buffers_[index];
   if (!bytes) {
@@ -169,25 +169,23 @@ std::string_view Data::buffer(Index index) const {
 
 std::string_view Data::bytesOf(Index index, std::uint64_t offset, std::uint64_t length) const {
   const std::string_view bytes = buffer(index);
-  if (offset + length > bytes.size()) {
-    model_.fail(fmt::format("is truncated: buffers[{}] has {} bytes", index, bytes.size()));
-  }
+  if (offset + length > bytes.size()) model_.fail("is truncated: buffers[{}] has {} bytes", index, bytes.size());
   return bytes.substr(offset, length);
 }
 
 std::string Data::decode(const Meshopt& meshopt, const std::string& what) const {
-  if (!meshopt.problem.empty()) model_.fail(meshopt.problem);
+  if (!meshopt.problem.empty()) model_.fail("{}", meshopt.problem);
   const std::string_view compressed = bytesOf(meshopt.buffer, meshopt.offset, meshopt.length);
   const std::uint64_t size = meshopt.count * meshopt.stride;
   if (size > kMostExpansion * (meshopt.length + 1)) {
-    model_.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, meshopt.count, meshopt.length));
+    model_.fail("is damaged: {} has {} elements in {} bytes", what, meshopt.count, meshopt.length);
   }
   chargeBytes(static_cast<double>(size), {model_.file.string()});
   std::string decoded(size, '\0');
   const auto* const bytes = reinterpret_cast<const unsigned char*>(compressed.data());
   if (meshopt.decode(decoded.data(), meshopt.count, meshopt.stride, bytes, compressed.size()) != 0) {
-    model_.fail(fmt::format(
-        "has {} with compressed data that is damaged or of an unknown version: export it without compression", what));
+    model_.fail("has {} with compressed data that is damaged or of an unknown version: export it without compression",
+                what);
   }
   if (meshopt.filter != nullptr) meshopt.filter(decoded.data(), meshopt.count, meshopt.stride);
   return decoded;
@@ -199,7 +197,7 @@ std::vector<Number> Data::numbers(Index index, const std::string& what) const {
   const std::size_t width = accessor.width;
   const std::uint64_t count = accessor.count;
   if (!accessor.view && count > kMostZeroes / width) {
-    model_.fail(fmt::format("is damaged: {} has {} elements without data", what, count));
+    model_.fail("is damaged: {} has {} elements without data", what, count);
   }
   // Gets the bytes before the output is allocated, so that a bad view throws first.
   const std::string_view bytes = accessor.view ? view(*accessor.view).substr(accessor.offset) : std::string_view();
@@ -221,9 +219,7 @@ std::vector<Number> Data::numbers(Index index, const std::string& what) const {
     for (std::size_t i = 0; i < accessor.sparse->count; ++i) {
       const auto element = readNumber<std::uint32_t>(indices.data() + i * accessor.sparse->indices.size,
                                                      accessor.sparse->indices, false);
-      if (element >= count) {
-        model_.fail(fmt::format("is not valid glTF: {} replaces the element {} of {}", what, element, count));
-      }
+      if (element >= count) model_.fail("is not valid glTF: {} replaces the element {} of {}", what, element, count);
       readElement(values.data() + i * accessor.component.size * width, element);
     }
   }
@@ -237,7 +233,7 @@ std::vector<float> Data::floats(Index accessor, const std::string& what) const {
 std::vector<float> Data::finiteFloats(Index accessor, const std::string& what) const {
   std::vector<float> numbers = floats(accessor, what);
   if (!std::ranges::all_of(numbers, [](float number) { return std::isfinite(number); })) {
-    model_.fail(fmt::format("is damaged: {} has numbers that are not finite", what));
+    model_.fail("is damaged: {} has numbers that are not finite", what);
   }
   return numbers;
 }
@@ -245,15 +241,14 @@ std::vector<float> Data::finiteFloats(Index accessor, const std::string& what) c
 std::vector<float> Data::fractions(Index accessor, const std::string& what) const {
   const Accessor& described = model_.accessors[accessor];
   if (described.component.kind != 'F' && !described.normalized) {
-    model_.fail(
-        fmt::format("is not valid glTF: {} must have floating-point or normalised numbers, not whole numbers", what));
+    model_.fail("is not valid glTF: {} must have floating-point or normalised numbers, not whole numbers", what);
   }
   return finiteFloats(accessor, what);
 }
 
 std::vector<std::uint32_t> Data::integers(Index accessor, const std::string& what) const {
   if (model_.accessors[accessor].component.kind != 'U') {
-    model_.fail(fmt::format("is not valid glTF: {} must have unsigned whole numbers", what));
+    model_.fail("is not valid glTF: {} must have unsigned whole numbers", what);
   }
   return numbers<std::uint32_t>(accessor, what);
 }
@@ -268,12 +263,12 @@ std::string_view Data::view(Index index) const {
 
 std::string Data::embedded(const std::string& uri, const std::string& what) const {
   if (uri.size() > kMostBase64) {
-    model_.fail(fmt::format("has more than 1 GiB of base64 in {}: put the data in a file beside it", what));
+    model_.fail("has more than 1 GiB of base64 in {}: put the data in a file beside it", what);
   }
   const std::size_t comma = uri.find(',');
   std::optional<std::string> bytes;
   if (comma != std::string::npos) bytes = fromBase64(std::string_view(uri).substr(comma + 1));
-  if (!bytes) model_.fail(fmt::format("is not valid glTF: the data of {} are not base64", what));
+  if (!bytes) model_.fail("is not valid glTF: the data of {} are not base64", what);
   return std::move(*bytes);
 }
 

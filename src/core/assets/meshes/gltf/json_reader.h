@@ -26,9 +26,10 @@ struct JsonObject {
   const Json& json;
   std::string path;
 
-  [[noreturn]] void fail(const std::string& problem) const { model.fail(path + " " + problem); }
-  [[noreturn]] void failInvalid(const std::string& problem) const {
-    model.fail(fmt::format("is not valid glTF: {} {}", path, problem));
+  [[noreturn]] void fail(const std::string& problem) const { model.fail("{} {}", path, problem); }
+  template <class... Values>
+  [[noreturn]] void failInvalid(fmt::format_string<Values...> problem, Values&&... values) const {
+    model.fail("is not valid glTF: {} {}", path, fmt::format(problem, std::forward<Values>(values)...));
   }
   std::string pathOf(const char* key) const { return path.empty() ? key : path + "." + key; }
 
@@ -37,7 +38,7 @@ struct JsonObject {
     static const Json kEmpty = Json::array();
     const auto value = json.find(key);
     if (value == json.end()) return kEmpty;
-    if (!value->is_array()) model.fail(fmt::format("is not valid glTF: '{}' is not a list", name));
+    if (!value->is_array()) model.fail("is not valid glTF: '{}' is not a list", name);
     return *value;
   }
   const Json& list(const char* key) const { return list(key, pathOf(key)); }
@@ -47,7 +48,7 @@ struct JsonObject {
     const JsonObject named{model, value, name};
     if (!value.is_number_unsigned()) named.failInvalid("is not an index");
     const std::uint64_t i = value.get<std::uint64_t>();
-    if (i >= count) named.failInvalid(fmt::format("is {}, but only {} exist", i, count));
+    if (i >= count) named.failInvalid("is {}, but only {} exist", i, count);
     return i;
   }
   Index index(const char* key, std::size_t count) const { return index(json.at(key), count, pathOf(key)); }
@@ -61,7 +62,7 @@ struct JsonObject {
     if (value == json.end()) return fallback;
     // Larger lengths are refused, so that sums of a few lengths do not overflow.
     if (!value->is_number_unsigned() || value->get<std::uint64_t>() > UINT64_MAX / 4) {
-      model.fail(fmt::format("is not valid glTF: {} is not a length", pathOf(key)));
+      model.fail("is not valid glTF: {} is not a length", pathOf(key));
     }
     return value->get<std::uint64_t>();
   }
@@ -73,7 +74,7 @@ struct JsonObject {
     if (value == json.end()) return false;
     const bool fits = value->is_array() && value->size() == size &&
                       std::all_of(value->begin(), value->end(), [](const Json& n) { return n.is_number(); });
-    if (!fits) model.fail(fmt::format("{} is not {} numbers", pathOf(key), size));
+    if (!fits) model.fail("{} is not {} numbers", pathOf(key), size);
     into = value->get<std::array<double, size>>();
     return true;
   }
@@ -82,7 +83,7 @@ struct JsonObject {
   std::optional<JsonObject> object(const char* key) const {
     const auto value = json.find(key);
     if (value == json.end()) return std::nullopt;
-    if (!value->is_object()) model.fail(fmt::format("is not valid glTF: a '{}' is not an object", key));
+    if (!value->is_object()) model.fail("is not valid glTF: a '{}' is not an object", key);
     return JsonObject{model, *value, path};
   }
   std::optional<JsonObject> extension(const char* name) const {

@@ -52,14 +52,13 @@ class ModelReader {
     if (asset == file_.json.end() || !asset->is_object()) model_.fail("is not glTF: 'asset' is missing");
     const std::string version = asset->value("version", std::string());
     if (!version.starts_with("2.")) {
-      model_.fail(fmt::format("is glTF {}: only version 2.0 is read, so export it again",
-                              version.empty() ? "of no version" : version));
+      model_.fail("is glTF {}: only version 2.0 is read, so export it again",
+                  version.empty() ? "of no version" : version);
     }
     for (const Json& name : file_.list("extensionsRequired")) {
       const auto extension = name.get<std::string>();
       if (isAppearance(extension) || gltfFormat().find(extension) != nullptr) continue;
-      model_.fail(fmt::format("requires the extension {}, which is not supported: export it without this extension",
-                              extension));
+      model_.fail("requires the extension {}, which is not supported: export it without this extension", extension);
     }
     for (const Json& name : file_.list("extensionsUsed")) {
       if (!isAppearance(name.get<std::string>())) model_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
@@ -170,7 +169,7 @@ class ModelReader {
     Mesh mesh{.name = object.json.value("name", std::string()),
               .weights = object.json.value("weights", std::vector<double>())};
     const Json& primitives = object.json.at("primitives");
-    if (!primitives.is_array()) model_.fail(object.path + ".primitives is not a list");
+    if (!primitives.is_array()) model_.fail("{}.primitives is not a list", object.path);
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const JsonObject primitiveObject{model_, primitives[i], fmt::format("{}.primitives[{}]", object.path, i)};
       constexpr std::uint64_t kPoints = 0, kTriangles = 4, kLastMode = 6;  // modes 1 to 3 are lines
@@ -257,8 +256,8 @@ class ModelReader {
         const std::uint64_t count = model_.accessors[accessor].count,
                             firstCount = model_.accessors[firstAccessor].count;
         if (count == firstCount) continue;
-        model_.fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", path, firstCount, firstName,
-                                count, name));
+        model_.fail("is not valid glTF: {} has {} values of {}, but {} of {}", path, firstCount, firstName, count,
+                    name);
       }
     }
     return node;
@@ -323,9 +322,8 @@ class ModelReader {
     while (!pending.empty()) {
       const auto [node, depth] = pending.back();
       pending.pop_back();
-      if (isReached[node]) model_.fail(fmt::format("nodes[{}] has two parents, or is its own ancestor", node));
-      if (depth > kMostLevels)
-        model_.fail(fmt::format("has nodes that are nested more than {} levels deep", kMostLevels));
+      if (isReached[node]) model_.fail("nodes[{}] has two parents, or is its own ancestor", node);
+      if (depth > kMostLevels) model_.fail("has nodes that are nested more than {} levels deep", kMostLevels);
       isReached[node] = true;
       for (const Index child : model_.nodes[node].children) pending.emplace_back(child, depth + 1);
     }
@@ -365,10 +363,6 @@ const FormatSupport& gltfFormat() {
   return format;
 }
 
-void Model::fail(const std::string& problem) const {
-  throw InputError({file.string()}, problem);
-}
-
 Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside) {
   Container container = readContainer(file, name);
   Model model;
@@ -380,7 +374,7 @@ Model readModel(const std::filesystem::path& file, const std::filesystem::path& 
     const Json json = Json::parse(container.json);
     ModelReader(model, json, allowOutside).read();
   } catch (const Json::exception& e) {
-    model.fail(fmt::format("is not valid glTF: {}", reasonOf(e)));
+    model.fail("is not valid glTF: {}", reasonOf(e));
   }
   return model;
 }

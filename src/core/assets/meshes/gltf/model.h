@@ -9,8 +9,10 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "base/format_support.h"
 #include "base/vec.h"
 
@@ -163,7 +165,10 @@ struct Model {
   LeftOut leftOut;
 
   // Throws an InputError that names the file.
-  [[noreturn]] void fail(const std::string& problem) const;
+  template <class... Values>
+  [[noreturn]] void fail(fmt::format_string<Values...> problem, Values&&... values) const {
+    throw InputError({file.string()}, fmt::format(problem, std::forward<Values>(values)...));
+  }
 };
 
 const FormatSupport& gltfFormat();

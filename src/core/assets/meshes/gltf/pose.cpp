@@ -72,8 +72,8 @@ Index animationNamed(const Model& model, const std::string& name) {
   for (Index i = 0; i < names.size(); ++i) {
     if (std::to_string(i) == name) return i;
   }
-  model.fail(names.empty() ? "has no animation"
-                           : fmt::format("has no animation '{}'{}", name, suggestion(name, names)));
+  if (names.empty()) model.fail("has no animation");
+  model.fail("has no animation '{}'{}", name, suggestion(name, names));
 }
 
 std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& data, Index animation) {
@@ -106,8 +106,7 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
     const std::size_t widthOfPath = channel.path == Path::Rotation ? 4 : channel.path == Path::Weights ? width : 3;
     if (times.empty() || width == 0 || width != widthOfPath || width * valueCount != values.size() ||
         !std::ranges::is_sorted(times)) {
-      model.fail(
-          fmt::format("is not valid glTF: a sampler of {} has numbers of times and values that do not match", what));
+      model.fail("is not valid glTF: a sampler of {} has numbers of times and values that do not match", what);
     }
     const std::vector<double> value = propertyAt(clip.time, times, values, width, sampler.interpolation, channel.path);
     if (channel.path == Path::Weights) {

@@ -118,7 +118,7 @@ class Reader {
       if (weights[t] == 0 || target == primitive.targets[t].end()) continue;
       const std::vector<Vec3d> offsets = toPoints(data_.finiteFloats(target->second, what));
       if (offsets.size() != points.size()) {
-        model_.fail(fmt::format("is not valid glTF: {} and its morph target have different numbers of vertices", what));
+        model_.fail("is not valid glTF: {} and its morph target have different numbers of vertices", what);
       }
       for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + offsets[i] * weights[t];
     }
@@ -133,7 +133,7 @@ class Reader {
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {
       const PlacedNode* const placed = placedByNode_[skin.joints[j]];
       if (placed == nullptr) {
-        model_.fail(fmt::format("is not valid glTF: a joint of the skin of {} is not a node of the scene", what));
+        model_.fail("is not valid glTF: a joint of the skin of {} is not a node of the scene", what);
       }
       joints.push_back(placed->sceneFromNode * (inverses.empty() ? Affine{} : toAffine(&inverses[16 * j])));
     }
@@ -156,7 +156,7 @@ class Reader {
       if (jointNumbers.empty()) break;
       const std::vector<float> weights = numbers(fmt::format("WEIGHTS_{}", set));
       if (jointNumbers.size() != 4 * points.size() || weights.size() != jointNumbers.size()) {
-        model_.fail(fmt::format("is not valid glTF: {} must have four joints and four weights per vertex", what));
+        model_.fail("is not valid glTF: {} must have four joints and four weights per vertex", what);
       }
       for (std::size_t i = 0; i < jointNumbers.size(); ++i) {
         const std::size_t vertex = i / 4;
@@ -164,8 +164,8 @@ class Reader {
         if (firstJoints[vertex] == kNoJoint && joint < joints.size()) firstJoints[vertex] = joint;
         if (weights[i] == 0) continue;
         if (joint >= joints.size()) {
-          model_.fail(fmt::format("is not valid glTF: a vertex of {} refers to the joint {}, but its skin has {}", what,
-                                  joint, joints.size()));
+          model_.fail("is not valid glTF: a vertex of {} refers to the joint {}, but its skin has {}", what, joint,
+                      joints.size());
         }
         const auto weight = static_cast<double>(weights[i]);
         weightedPoints[vertex] = weightedPoints[vertex] + (joints[joint] * points[vertex]) * weight;
@@ -201,11 +201,10 @@ class Reader {
     chargeBytes(kBytesPerTriangle * (triangles - storedTriangles), {model_.file.string()});
     const double bytes = triangles * static_cast<double>(sizeof(Triangle));
     if (bytes > static_cast<double>(memoryLimitBytes())) {
-      model_.fail(
-          fmt::format("has triangles that take {}, which is more than the memory: split it", shortBytes(bytes)));
+      model_.fail("has triangles that take {}, which is more than the memory: split it", shortBytes(bytes));
     }
     if (triangles > static_cast<double>(kMostTriangles)) {
-      model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
+      model_.fail("has more than {} triangles, with all copies: split it", kMostTriangles);
     }
   }
 
@@ -228,7 +227,7 @@ class Reader {
     try {
       inChildProcess(decodeAll, kTrialMemory + kTrialMemoryPerByte * bytes, kTrialSeconds);
     } catch (const Error& e) {
-      model_.fail(fmt::format("has damaged meshes: {}; export it again", e.what()));
+      model_.fail("has damaged meshes: {}; export it again", e.what());
     }
   }
 
@@ -243,7 +242,7 @@ class Reader {
       asset_.dropped.outOfRange += geometry->dropped;
       triangles_ += geometry->triangles.size();
       if (triangles_ > kMostTriangles)
-        model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
+        model_.fail("has more than {} triangles, with all copies: split it", kMostTriangles);
       scanmill::append(*geometry, assetFromNode, static_cast<std::uint32_t>(material), texture.has_value(), first,
                        parts);
     }
@@ -395,7 +394,7 @@ class Reader {
       if (accessor == attributes.end()) return std::vector<float>();
       std::vector<float> values = data_.fractions(accessor->second, what);
       if (model_.accessors[accessor->second].width != width) {
-        model_.fail(fmt::format("is not valid glTF: each {} of {} must have {} numbers", name, what, width));
+        model_.fail("is not valid glTF: each {} of {} must have {} numbers", name, what, width);
       }
       return values;
     };
@@ -473,7 +472,7 @@ std::pair<double, double> clipSpan(const std::filesystem::path& file, const std:
   const Model model = readModel(file, file, true);  // true: references may lead outside; readAsset() checked them
   const Index animation = animationNamed(model, clip);
   const auto span = spanOf(model, Data(model), animation);
-  if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));
+  if (!span) model.fail("is not valid glTF: animations[{}] has no key frames", animation);
   return *span;
 }
 

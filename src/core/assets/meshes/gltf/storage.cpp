@@ -92,7 +92,7 @@ Meshopt readMeshopt(const JsonObject& object) {
                                                          : true;
   const bool filterFits = filter == "NONE" || (hasAttributes && filterStrideFits);
   if (!strideFits || !filterFits || meshopt.count > kMaxCount || (mode == "TRIANGLES" && meshopt.count % 3 != 0)) {
-    object.failInvalid(fmt::format("has {} elements of {} bytes in the mode {}", meshopt.count, stride, mode));
+    object.failInvalid("has {} elements of {} bytes in the mode {}", meshopt.count, stride, mode);
   }
   return meshopt;
 }
@@ -130,7 +130,7 @@ Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) 
                                 .indices = readComponent(indices)};
   if (sparse.count > accessor.count) object.failInvalid("has more elements than its accessor");
   if (sparse.indices.kind != 'U') {
-    object.model.fail(fmt::format("is not valid glTF: {} are not unsigned whole numbers", indices.path));
+    object.model.fail("is not valid glTF: {} are not unsigned whole numbers", indices.path);
   }
   const std::uint64_t size = accessor.component.size * accessor.width;
   requireInside(indices, sparse.indicesView, sparse.indicesOffset, sparse.count, sparse.indices.size,
@@ -156,7 +156,7 @@ Buffer readBuffer(const JsonObject& object, bool allowOutside) {
     const std::filesystem::path path = object.model.file.parent_path() / buffer.uri;
     std::error_code error;
     if (!allowOutside && leadsOutside(buffer.uri) && std::filesystem::exists(path, error)) {
-      object.model.fail(refusalOf(buffer.uri));
+      object.model.fail("{}", refusalOf(buffer.uri));
     }
     if (!std::filesystem::is_regular_file(path, error)) {
       buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
@@ -181,8 +181,7 @@ View readView(const JsonObject& object) {
     if (!extension) continue;
     const Meshopt meshopt = readMeshopt({object.model, extension->json, object.pathOf(name)});
     if (meshopt.count * meshopt.stride != view.length) {
-      object.failInvalid(
-          fmt::format("has a length that differs from its {} elements of {} bytes", meshopt.count, meshopt.stride));
+      object.failInvalid("has a length that differs from its {} elements of {} bytes", meshopt.count, meshopt.stride);
     }
     view.compressed = meshopt;
   }
