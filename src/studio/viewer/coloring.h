@@ -127,7 +127,7 @@ struct ColorOfId {
 };
 
 // Appends to `colors` the colour of each of `elements` elements. idOf(i) returns the id of element i, and colorOf(id)
-// the id's colour. Returns the colours of ids with the numbers of elements for which isCounted(i) is true; omits zeros.
+// the id's colour. Returns, by id, the colour and the number of elements for which isCounted(i) is true; omits zeros.
 std::map<std::uint32_t, ColorOfId> paint(std::size_t elements, const auto& idOf, const auto& colorOf,
                                          const auto& isCounted, std::vector<Rgb>& colors) {
   std::map<std::uint32_t, ColorOfId> ids;

@@ -78,7 +78,7 @@ ScaleRange percentilesOf(const std::vector<float>& values) {
   return {percentile(0.01), percentile(0.99)};
 }
 
-// Makes coloured pictures with legends of the channels of an EXR image: depth or range, normals, ids, reflectance.
+// Converts an EXR image's channels (depth or range, normals, ids, reflectance) to coloured pictures with legends.
 class PlaneMaker {
  public:
   PlaneMaker(const ExrImage& image, const ExrSource& source) : image_(image), source_(source) {}

@@ -42,8 +42,8 @@ struct GridSize {
   std::size_t rings = 1, columns = 1;
 };
 
-// The pixels of beams in a range image that looks outward: the image is destaggered, mirrored if the sensor rotates
-// counter-clockwise, and rotated if it shows a full revolution.
+// Maps beams to the pixel columns of a range image that looks outward: the image is destaggered, mirrored if the sensor
+// rotates counter-clockwise, and rotated if it shows a full revolution.
 struct OutwardColumns {
   Destagger image;
   bool mirrored = false;
@@ -188,8 +188,8 @@ bool elevationsRise(const Scan& scan) {
   return sums.covariance() > 0;
 }
 
-// Returns the numbers of rings and columns of an organised scan, or those that the points need. Throws InputError if
-// the scan is not organised and lacks `ring` or `column`, or if the image would be larger than kMostPictureSide.
+// Returns the scan's numbers of rings and columns; if it is not organised, at least as many as its points need. Throws
+// InputError if it is not organised and lacks `ring` or `column`, or if a number exceeds kMostPictureSide.
 GridSize gridOf(const Scan& scan) {
   GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
   if (!scan.organised) {

@@ -41,8 +41,7 @@ extern const std::string_view kDatasetStyle;     // dataset.css
 // Returns the indices, ascending, of the finite points to show: all if they are at most `most`, otherwise `most` of
 // them. Instances and classes with few points are kept complete, the smallest first, as long as they take at most half
 // of `most`. The other points are thinned evenly along the scan; the fraction kept is proportional to the squared
-// distance. As the density of points on a surface decreases with the squared distance, mainly near surfaces lose
-// points.
+// distance, with which the density of points on a surface decreases. Mainly near surfaces lose points.
 std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most);
 
 }  // namespace scanmill

@@ -49,8 +49,8 @@ Groups groupsByKind(const Patches& patches) {
 // The values of a feature, by group and band of ranges (see rangeBand()).
 using Strata = std::map<std::pair<std::uint16_t, std::size_t>, std::vector<float>>;
 
-// Returns the feature's values by stratum, from the patches that have the feature and for which isCompared(index of the
-// patch) is true. `groups`: the group of each patch.
+// Returns the feature's values by stratum. Ignores patches without the feature or for whose index isCompared() is
+// false. `groups`: the group of each patch.
 Strata strataOf(const Patches& patches, const Groups& groups, std::size_t feature, const auto& isCompared) {
   Strata strata;
   for (std::size_t i = 0; i < patches.size(); ++i) {

@@ -223,8 +223,8 @@ class PatchMeter {
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
-  // Returns the mean intensity of the returns on the surface that are `dr` rows below the patch's middle and `columns`
-  // columns beside it; nothing if there are fewer than four such returns, or if all their intensities are 0.
+  // Returns the mean intensity of the returns on the surface, `dr` rows below the patch's middle and at the column
+  // offsets `columns`; nothing if there are fewer than four of these returns, or if all their intensities are 0.
   std::optional<double> meanIntensity(int dr, std::initializer_list<int> columns) const {
     double sum = 0;
     int count = 0;

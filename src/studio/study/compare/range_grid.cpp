@@ -103,7 +103,7 @@ class GridMaker {
     return medianOf(std::move(steps));
   }
 
-  // Returns the azimuth of a ring's column 0 (rad): the median of each point's estimate. `step`: see columnStep().
+  // Returns the azimuth of a ring's column 0 (rad): the median of the points' estimates. `step`: see columnStep().
   double firstAzimuth(const std::vector<std::uint32_t>& points, double step) const {
     const auto azimuthOfColumn0 = [&](std::uint32_t i) { return azimuth_[i] - step * keyOf(scan_, i).column; };
     const double estimate = azimuthOfColumn0(points[points.size() / 2]);

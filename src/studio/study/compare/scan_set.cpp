@@ -121,7 +121,7 @@ struct LevelPlane {
   double heightAbove(const Vec3d& p) const {
     return p.z - coefficients[0] * p.x - coefficients[1] * p.y - coefficients[2];
   }
-  // Returns the standard deviation (m) of the heights above the plane. `points`: those to which the plane was fitted.
+  // Returns the standard deviation (m) of the heights above the plane. `points`: the points of the fit.
   double deviationOf(const std::vector<Vec3d>& points) const {
     double squares = 0;
     for (const Vec3d& p : points) squares += heightAbove(p) * heightAbove(p);

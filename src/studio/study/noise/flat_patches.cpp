@@ -237,7 +237,7 @@ std::vector<FlatPatch> chooseFlat(const std::vector<FlatPatch>& candidates, cons
   return chosen;
 }
 
-// Sets the measured half's fits and number of points; does nothing if too few returns, or no plane, can be fitted.
+// Sets the measured half's fits and number of points. Does nothing if the returns are too few or determine no plane.
 void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& measured, FlatPatch& patch) {
   constexpr double kLeastFree = 0.1;  // returns with a smaller value of 1 - leverage do not count
   if (measured.size() < kFewestMeasured) return;

@@ -22,8 +22,8 @@ struct BeamPoint {
 };
 
 // Returns the sensor's ring for each ring of a scan. The scan may number rings in the opposite order, or skip rings
-// without points. If both have the same number of rings, rings are matched in the order of their elevations; otherwise
-// each ring is matched to the sensor's ring of the nearest elevation.
+// without points. If scan and sensor have equally many rings, these are matched in the order of their elevations;
+// otherwise each ring is matched to the sensor's ring of the nearest elevation.
 std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& beams) {
   std::vector<std::vector<double>> elevations;
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -59,7 +59,7 @@ Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan assigned = scan;
   const std::vector<std::uint16_t> sensorRingOf = ringsByElevation(scan, beams);
   const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);  // rad
-  // For full turns, use the exact number of columns, since the quotient is rounded.
+  // For full turns, use the exact number of columns: the quotient 2 pi / step has a rounding error.
   const double columnsPerTurn = beams.fullTurn() ? beams.columns : 2 * kPi / step;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const std::uint16_t ring = sensorRingOf[scan[kRing][i]];

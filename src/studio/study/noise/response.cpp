@@ -265,7 +265,7 @@ std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces
   return weights;
 }
 
-// Adds a row if the value is at least kApart times, and the intensity larger than, the last row's.
+// Adds a row if the intensity exceeds the last row's and the value is at least kApart times the last row's value.
 void addRow(ResponseTable& table, double value, double intensity) {
   constexpr double kApart = 1.1;  // least ratio of two values of the table
   if (!(value > 0)) return;
@@ -359,7 +359,7 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
   }
 }
 
-// Returns ResponseFit::misfit of a fit that has a table. `weights`: result of weightsOf(); its kinds are compared.
+// Returns ResponseFit::misfit of a fit that has a table. `weights`: from weightsOf(); its kinds are compared.
 double misfitOf(const Surfaces& recorded, const Surfaces& simulated, const std::map<SurfaceKind, double>& weights,
                 const ResponseFit& fit) {
   std::map<SurfaceKind, std::vector<double>> ofRecorded, ofSimulated;  // medians of the cells

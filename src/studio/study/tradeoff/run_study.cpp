@@ -128,8 +128,7 @@ class StudyRun {
     }
   }
 
-  // Returns the number of scans by which measure() measures a setting, of each shot: one without timing, then the
-  // timed.
+  // Returns the number of scans per shot with which measure() measures a setting: one untimed scan, then timed scans.
   int scansPerShot() const { return choice_.repeats + 1; }
 
   // Returns the time that the set-ups of all settings and the measurements of one frame probably take. Assumes that all

@@ -136,7 +136,7 @@ struct Advice {
   std::string setting;  // name of the setting, see Setting::name; empty if none is good enough
   std::string text;     // speed and errors of the setting; if none is good enough, of the one nearest to the limits
 };
-// Returns the advice for all needs, in order; needs with the same setting share an entry. Nothing if none was measured.
+// Returns the advice for all needs, in order; needs with equal settings share an entry. Empty if nothing was measured.
 std::vector<Advice> advise(const Study& study);
 
 // The options of a study are the key `tradeoff:` of a pipeline. All keys in it are optional.

@@ -149,11 +149,11 @@ class Canvas {
 // Opens a window on the display that the environment variable DISPLAY names. `width`, `height`: in pixels. Throws
 // NoDisplay if there is no display; throws Error if there is no OpenGL or the plug-in is missing.
 std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height);
-// Creates a canvas without a window on the device namedDevice() (gpu/device.h). Throws Error without such a device.
+// Creates a canvas without a window on the device namedDevice() (gpu/device.h). Throws Error without device or plug-in.
 std::unique_ptr<Canvas> openOffscreen(int width, int height);
 
 // Writes the picture that was drawn last to scanmill_view_000.png in the current folder, or to the file with the first
-// number that is not used yet. Returns the file. Throws Error.
+// number that is not used yet. Returns the file. Throws Error if all numbers are used or the file cannot be written.
 std::filesystem::path savePictureOf(Canvas& canvas);
 
 // The plug-in libscanmill_viewer.so (base/module.h), which draws with VTK in a GLFW window or, off screen, with EGL.

@@ -20,7 +20,7 @@ namespace scanmill {
 
 class FrameLoader {
  public:
-  // The cache contains the requested frame and the frames nearest to it, as many as fit into `cacheBytes` bytes.
+  // The cache holds the requested frame and, as far as `cacheBytes` bytes suffice, the frames nearest to this frame.
   explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes = std::uint64_t{1} << 30);
   ~FrameLoader();                                  // waits until the current load is finished
   FrameLoader& operator=(FrameLoader&&) = delete;  // neither copied nor moved

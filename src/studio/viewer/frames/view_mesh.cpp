@@ -238,8 +238,8 @@ double distanceToBox(const Box& box, const Vec3d& origin, const Vec3d& direction
   return enter <= leave ? enter : kMissed;
 }
 
-// Returns the distance (m) at which a ray hits a triangle from either side; infinity if it misses. As T. Moeller and B.
-// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997, with the paper's names; u, v: barycentric.
+// Returns the distance (m) at which a ray hits either side of a triangle; infinity if it misses. u and v are
+// barycentric coordinates (T. Moeller and B. Trumbore, "Fast, minimum storage ray-triangle intersection", 1997).
 double distanceToTriangle(std::span<const Vec3f, 3> corners, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d a(corners[0]);
   const Vec3d ab = Vec3d(corners[1]) - a;

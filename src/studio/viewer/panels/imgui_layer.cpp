@@ -60,7 +60,7 @@ void setColors(ImVec4* colors) {
   }
 }
 
-// Adds the first font of kFonts that exists, with the letters of western languages, Greek and arrows.
+// Adds the first font of kFonts that exists, with western letters, Greek and arrows, else the built-in font.
 void addFont(ImFontAtlas& atlas, double lineHeight) {
   static const ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x2026, 0x2190, 0x2193, 0x25B2, 0x25C0, 0};
   const auto size = static_cast<float>(std::round(lineHeight));
@@ -99,8 +99,8 @@ void setModifiers(ImGuiIO& io, bool shift, bool control) {
 }
 #endif
 
-// Returns the triangles that Dear ImGui has drawn as an overlay of the canvas. Each of its draw lists has its own
-// vertices, to which the list's indices refer; the overlay has the vertices of all lists, one list after the other.
+// Converts the triangles that Dear ImGui has drawn to an overlay of the canvas. Each draw list of Dear ImGui has its
+// own vertices, to which the list's indices refer; the overlay has the vertices of all lists, one list after the other.
 Overlay overlayOf(const ImDrawData& drawn, const Canvas& canvas) {
   static_assert(sizeof(ImDrawVert) == sizeof(OverlayVertex) &&
                 offsetof(ImDrawVert, col) == offsetof(OverlayVertex, color));

@@ -50,7 +50,7 @@ void connectToDisplay() {
                   display, firstError(), kInstead));
 }
 
-// Creates an invisible window with the display's newest OpenGL of 4.5, 4.3 and 3.2. Throws NoDevice if there is none.
+// Creates an invisible window with OpenGL 4.5, else 4.3, else 3.2. Throws NoDevice if the display has none of these.
 GLFWwindow* createWindow(const std::string& title, int width, int height) {
   constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 2}}};
   for (const auto& [major, minor] : kVersions) {
@@ -181,7 +181,7 @@ struct GlfwWindow::State {
     add(std::move(event));
   }
 
-  // Registers functions with GLFW that turn what happens to the window into events.
+  // Registers GLFW callbacks, which append events to the queue.
   void listen() {
     glfwSetWindowUserPointer(window, this);
     glfwSetInputMode(window, GLFW_LOCK_KEY_MODS, GLFW_TRUE);

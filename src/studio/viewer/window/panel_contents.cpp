@@ -91,7 +91,7 @@ void PanelContents::addLabel(const Vec3d& position, const PanelLabel& label) {
 void PanelContents::addLabels() {
   labels.clear();
   if (context_.options.rangeRings && !clouds_.list.empty()) {
-    // Put the labels of the rings in the direction of the camera, where they are visible.
+    // Put the labels of the range rings in the direction in which the camera looks, where they are visible.
     const Vec3d ahead{std::cos(sceneView_.camera.yaw), std::sin(sceneView_.camera.yaw), 0};
     for (const double radius : kRingRadii) {
       addLabel(sceneView_.ground + ahead * radius, {.text = fmt::format("{} m", radius), .mark = false});
@@ -216,7 +216,7 @@ LegendEntry* entryOf(Legend& legend, std::int64_t id) {
 
 }  // namespace
 
-// Adds the classes that occur in other frames to a legend, so that its rows are the same in all frames.
+// Adds the classes of other frames to a legend of classes, so that its rows are the same in all frames.
 void PanelContents::completeClasses(Legend& legend) const {
   if (!listsIds(legend)) return;
   for (const std::uint16_t id : clouds_.presentClasses) {

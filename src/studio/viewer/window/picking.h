@@ -31,8 +31,8 @@ struct PointHit {
 
 // Returns the point that is visible at the pixel (x, y) of the camera's picture. Points are drawn as squares of `size`
 // pixels; among those that cover (x, y), the one nearest to the eye is returned. If no square covers (x, y), returns
-// the point nearest to (x, y) in the picture within `reach` pixels, or nothing. Of equal points, the first is returned.
-// Uses all threads; the result does not depend on the number of threads.
+// the point nearest to (x, y) in the picture within `reach` pixels, or nothing. Of equally near points, the first is
+// returned. Uses all threads; the result does not depend on the number of threads.
 std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewCamera& camera, double x, double y,
                                   double size, double reach);
 

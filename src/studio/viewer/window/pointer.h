@@ -67,7 +67,7 @@ struct Pointer {
   // rectangle of the range image if the pointer is over this image.
   void updateHover(bool isOverPanel, const std::optional<PixelRect>& strip);
   Rgb colorOf(const PickedElement& picked) const;
-  // Returns the instance id; nothing if the point or triangle is of no instance.
+  // Returns the instance id; nothing if the point or triangle belongs to no instance.
   std::optional<std::uint32_t> instanceOf(const PickedElement& picked) const;
 
   // Outlines the points of the instance under the pointer, otherwise those of the clicked instance.

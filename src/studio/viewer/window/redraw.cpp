@@ -30,8 +30,8 @@ std::uint64_t RedrawScheduler::pointsPerItem(std::uint64_t total, std::size_t it
   return total <= limit || items == 0 ? 0 : limit / items;
 }
 
-// Updates the estimated drawing speed after a picture of `points` points, which took `ms` milliseconds to draw.
-// Pictures of few points say little about the speed.
+// Updates the estimated drawing speed after a picture of `points` points, which took `ms` milliseconds to draw. Ignores
+// pictures of few points, which say little about the speed.
 void RedrawScheduler::updateSpeed(std::uint64_t points, double ms) {
   if (points < kLeastPoints / 2 || !(ms > 0)) return;
   constexpr double kSlowest = 500, kFastest = 1e6;  // plausible speeds (points per ms)

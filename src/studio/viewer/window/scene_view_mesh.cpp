@@ -192,7 +192,7 @@ void SceneView::placeBoxes() {
   context_.changes.items = context_.changes.panels = true;
 }
 
-// Adds the box of an object: paler if the sensor does not see the object; no box if the object is also far.
+// Adds the box of an object: paler if the sensor does not see the object; no box if the object is also far away.
 void SceneView::addObjectBox(LineSet& lines, const ObjectRecord& object) const {
   const Ontology* const ontology = context_.source->ontology();
   const SemanticClass* const found = ontology == nullptr ? nullptr : ontology->find(object.semantic);

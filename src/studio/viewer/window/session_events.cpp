@@ -296,7 +296,7 @@ void ViewSession::toggleWorld() {
   context_.notify(sceneView_.staysInWorld ? "standing in the world" : "following the sensor");
 }
 
-// Shows only the instance under the pointer, else the clicked one; if one is shown alone already, shows all again.
+// Shows only the instance under the pointer, else the clicked one. If an instance is shown alone, shows all.
 void ViewSession::toggleInstanceAlone() {
   if (!context_.filter.instances.empty()) {
     context_.filter.instances.clear();

@@ -65,7 +65,7 @@ void ViewSession::drawMessagesOfSession() {
   context_.changes.panels = true;
 }
 
-// True if the command switches an option that is on; the menu then shows a tick.
+// True if the command switches an option that is on; the menu then shows a check mark.
 bool ViewSession::isOn(const KeyMeaning& meaning) const {
   using enum KeyAction;
   if (meaning.option != nullptr) return context_.options.*meaning.option;

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Adds the class ids of the scan's finite points.
+// Adds the class ids of the scan's finite points to `classes`.
 void addClasses(const Scan& scan, std::set<std::uint16_t>& classes) {
   std::vector<bool> occurs(std::size_t{UINT16_MAX} + 1, false);  // the indices are class ids
   for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
