@@ -1,4 +1,4 @@
-// Builds what is inside and outside of a house's walls: rooms, curtains, bands, bays, porches, awnings, ivy, garages.
+// Builds the interior and the details of a house: rooms, curtains, bands, bays, porches, awnings, ivy, garages.
 
 #include <algorithm>
 #include <array>

@@ -127,7 +127,7 @@ class Shape {
   // Appends a pipe with closed ends along a polyline. `radii`: the radius at each point; `radius`: at all points.
   void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
   void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, double radius, int segments = 8);
-  // tube() appends a straight pipe from `a` to `b`; rod() does so with one radius.
+  // tube() appends a straight pipe from `a` to `b`; rod() appends a pipe with one radius.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
   // Appends the surface of revolution of a profile (radius, z) about the z axis of `pose`. The surface faces to the

@@ -27,7 +27,7 @@ struct SignForm {
   double halfHeight;  // m, upper bound of half the height of the board
 };
 
-// The boards in the order of TrafficSign. Sizes are about those of German signs for a speed limit of 50 km/h.
+// The boards in the order of TrafficSign. Sizes are about the sizes of German signs for a speed limit of 50 km/h.
 constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
                                                    {3, 0.42, kPi / 2, 0.42},
                                                    {4, 0.36, 0, 0.36},

@@ -75,7 +75,7 @@ struct PassPlanes {
 
   std::size_t size() const { return depth.size(); }
   PassChoice choice() const;
-  // Resizes the planes that `requested` names and empties the others. The values of the pixels are then undefined.
+  // Resizes the planes that `requested` names and empties the other planes. The pixels' values are then undefined.
   void reset(std::size_t pixels, PassChoice requested);
 };
 

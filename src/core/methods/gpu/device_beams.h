@@ -23,7 +23,7 @@ class DeviceBeams {
   // Bytes per ray in the buffer of directions, which is the largest buffer.
   static constexpr std::uint64_t kBytesPerRay = 24;
 
-  // Shots that a device traces together, and their frames (frameOf()). All have the same table and number of poses.
+  // Shots that a device traces together, and each shot's frameOf(). All shots have the same table and number of poses.
   struct Shots {
     std::vector<const Shot*> shots;
     std::vector<const ShotFrame*> frames;

@@ -28,8 +28,8 @@ constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's re
 // kRaysShader is the text of rays.glsl alone, for other programs that need the rays of shots.
 extern const std::string_view kRaysShader;
 
-// These functions return the texts of programs for fields with or without lists of triangles: the launch program
-// creates particles, the march program takes their steps, and the resolve program computes hits from their records.
+// Return the texts of programs for fields with or without lists of triangles. The launch program creates particles, the
+// march program takes the particles' steps, and the resolve program computes hits from hit records.
 std::string launchShader(bool lists);
 std::string marchShader(bool lists);
 std::string resolveShader(bool lists);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Submits the shots of many threads to a device. While some shots are being processed, others queue up; the next
+// Submits the shots of many threads to a device. While some shots are being processed, further shots queue up; the next
 // dispatch then processes as many of the waiting shots as it can.
 
 #include <algorithm>

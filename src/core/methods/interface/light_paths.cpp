@@ -83,7 +83,7 @@ class LightFollower {
   bool continues(std::uint16_t material) const { return material < continues_.size() && continues_[material] != 0; }
 
   // Appends the rays that continue from the hit `i` of `ray`. A pane lets a ray pass and a mirror reflects a ray; a
-  // surface may be both. A continued ray that is too weak is not appended.
+  // surface may be a pane and a mirror. A continued ray that is too weak is not appended.
   void appendContinuations(const ContinuedRay& ray, const Hits& hits, std::uint32_t i,
                            std::vector<ContinuedRay>& continued) const {
     const Material& material = materials_[hits.material[i]];

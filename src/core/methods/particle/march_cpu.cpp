@@ -45,8 +45,8 @@ void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::u
               const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records) {
   HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, maxSteps, particles, indices, records);
   if (field.shape.lists) return;
-  // Replaces the corners in the records by the triangles of these corners. This is done for all particles together,
-  // because the entries of field.triangleOrList are scattered in memory.
+  // Replaces the corners in the records by the triangles of these corners, for all particles together, because the
+  // entries of field.triangleOrList are scattered in memory.
   for (const std::uint32_t i : indices) {
     if (records.outcomeOf(i) == Outcome::Hit) records.triangle[i] = field.triangleOrList[records.triangle[i]];
   }

@@ -57,7 +57,7 @@ inline Floats dotOf(const Floats (&a)[3], const Floats (&b)[3]) {
 }
 
 // The section of a particle's line that is tested: from `low` to `high` along d, counted from the point x y z (all in
-// m, relative to the world's origin). It is stored in two records of four floats, LineStart and LineCourse.
+// m, relative to the world's origin). The section is stored in two records of four floats, LineStart and LineCourse.
 struct LineStart {
   float x, y, z, low;
 };
@@ -145,7 +145,7 @@ inline void crossOf(const Floats (&a)[3], const Floats (&b)[3], Floats (&product
   }
 }
 
-// Returns the four floats at address(k), then those at address(k + 4), and so on while the argument is below kLanes.
+// Returns the four floats at address(k), then the four at address(k + 4), and so on while the argument is below kLanes.
 template <class Address>
 HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
   constexpr hn::FixedTag<float, 4> four;

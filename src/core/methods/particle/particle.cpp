@@ -1,7 +1,7 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
-// The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
-// CPU or in a compute shader, with the same steps (particles.h). Their hits are resolved in double precision from the
+// The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the CPU or
+// in a compute shader, with the same steps (particles.h). The particles' hits are resolved in double precision from the
 // triangles that the field stores, so that labels and normals need no further tracing.
 
 #include "methods/particle/particle.h"

@@ -53,10 +53,10 @@ inline float coplanarFloor(float sensorToOrigin) {
 }
 
 // An accepted hit shortens the ray to the hit's distance, plus this fraction of the distance, plus the floor, so that
-// Embree still visits surfaces coplanar with the hit. This suffices for angles of incidence up to 89.98 degrees.
+// Embree visits coplanar surfaces too. The fraction suffices for angles of incidence up to 89.98 degrees.
 constexpr float kReach = 1e-3f;
 
-// The filters for opaque and for alpha-tested triangles. Their context is a TieContext.
+// The filters for opaque and for alpha-tested triangles. Both expect a TieContext as context.
 void tieFilter(const RTCFilterFunctionNArguments* arguments);
 void alphaTieFilter(const RTCFilterFunctionNArguments* arguments);
 

@@ -33,7 +33,7 @@ struct BlockTriangle {
 };
 
 // Triangles in one frame. Triangles with an alpha-tested material come last and are a separate Embree geometry (id 1),
-// so that only they need the alpha test; all others are geometry 0.
+// so that only this geometry needs the alpha test; all other triangles are geometry 0.
 struct TriangleBlock {
   std::vector<Vec3f> vertices;    // one more vertex is padding, because Embree reads 16 bytes per vertex
   std::vector<Triangle> corners;  // indices of vertices; Embree reads them too

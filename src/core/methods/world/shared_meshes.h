@@ -37,7 +37,7 @@ class SharedMeshes {
   SharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                const HierarchyOptions& options, bool divided = false);
 
-  // Returns the number of a mesh's first part. Its last part has the number firstPart(mesh + 1) - 1.
+  // Returns the number of a mesh's first part. The mesh's last part has the number firstPart(mesh + 1) - 1.
   std::size_t firstPart(std::size_t mesh) const { return firstPart_[mesh]; }
   const Part& part(std::size_t number) const { return parts_[number]; }
 

@@ -12,8 +12,8 @@ namespace scanmill {
 namespace {
 
 // With Instancing::Auto, scenes with at most this many placed triangles are flattened: one level of hierarchy traces
-// faster than two, but takes about 150 bytes per triangle. In the scene "street" of 1.28 million triangles both trace
-// equally fast, and instancing takes half the memory.
+// faster than two, but takes about 150 bytes per triangle. In the scene "street" of 1.28 million triangles both
+// hierarchies trace equally fast, and instancing takes half the memory.
 constexpr std::uint64_t kFlattenedTriangles = 500'000;
 
 constexpr std::uint64_t kMostVertices = 0xFFFFFFF0u;  // largest number of vertices in a block (32-bit indices)

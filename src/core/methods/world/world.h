@@ -41,7 +41,7 @@ bool worldsMove(const Scene& scene, Instancing instancing);
 // placed more than once, if the scene is too large to be flattened.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
-// The time of a revolution and the reach of its rays. Both matter only if something in the scene moves: see Worlds.
+// A revolution's time, and the reach of its rays. Both values matter only if something in the scene moves: see Worlds.
 struct Revolution {
   double time = 0;      // s, start of the revolution
   double duration = 0;  // s; 0: nothing moves

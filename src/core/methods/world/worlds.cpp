@@ -61,7 +61,7 @@ std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, dou
   return {slot, slot->world.get()};
 }
 
-// Returns the slot of a world with this origin and revolution, and at least this reach; a new slot if there is none.
+// Returns the slot of a world with this origin and revolution, and at least this reach; a new slot if no slot fits.
 std::shared_ptr<Worlds::Slot> Worlds::slotOf(const Vec3d& origin, const Revolution& revolution) const {
   const auto fits = [&](const std::shared_ptr<Slot>& slot) {
     const Revolution& cached = slot->revolution;

@@ -38,7 +38,7 @@ class Worlds {
   std::uint64_t memoryBytes() const;
 
  private:
-  // A world that is built by the first thread that needs it, while the others wait.
+  // A world that is built by the first thread that needs it, while the other threads that need it wait.
   struct Slot {
     Vec3d origin;
     Revolution revolution;

@@ -54,7 +54,7 @@ class Arrays {
 
 class SceneWriter {
  public:
-  // The parameters are those of writeBlenderScene().
+  // Takes the parameters of writeBlenderScene().
   SceneWriter(const Scene& scene, const Vec3d& origin, const std::filesystem::path& folder,
               std::uint32_t trianglesOfAnObject)
       : scene_(scene),
@@ -99,7 +99,7 @@ class SceneWriter {
   }
 
   // Writes a mesh and its `instances`, divided into objects of at most trianglesOfAnObject_ triangles. The positions of
-  // a mesh with one instance are relative to origin_, those of other meshes are in the mesh's frame.
+  // a mesh with one instance are relative to origin_, the positions of other meshes are in the mesh's frame.
   void addMesh(const Mesh& mesh, const std::vector<std::uint32_t>& instances) {
     const bool isPlacedOnce = instances.size() == 1;
     std::vector<Vec3f> positions = mesh.positions;

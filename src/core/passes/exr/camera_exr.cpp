@@ -124,7 +124,7 @@ class CameraReader {
   }
 
   // Throws InputError if the file's attribute for the field of view differs from `field` (deg), which follows from the
-  // camera matrix. They differ if a program has scaled the image but not the matrix.
+  // camera matrix. The two differ if a program has scaled the image but not the matrix.
   void checkField(const char* attribute, double field) const {
     constexpr double kTolerance = 1e-3;  // deg, for fields of view that were rounded to three decimals
     const auto* claimed = optional<double>(attribute, "double");

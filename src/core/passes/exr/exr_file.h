@@ -71,7 +71,7 @@ class ExrReader {
   std::uint32_t height() const { return height_; }
   std::size_t pixels() const { return std::size_t{width_} * height_; }
   const std::vector<ExrChannel>& channels() const { return channels_; }  // ordered by part, then by name
-  // Returns the channel with this name; null if there is none.
+  // Returns the channel with this name; null if the file has no such channel.
   const ExrChannel* find(std::string_view channelName) const;
   // Returns the attribute from the first part that has it; null if no part has it.
   const ExrValue* attribute(const std::string& attributeName) const;

@@ -111,7 +111,7 @@ std::array<const ExrChannel*, 3> findNormal(const ExrReader& file) {
   return {};
 }
 
-// The functions require...() throw InputError that lists the file's channels if the pass is absent. They ignore types.
+// The functions require...() throw InputError with the file's channels if the pass is absent. Types are not checked.
 const ExrChannel& requirePass(const ExrReader& file, std::string_view pass) {
   if (const ExrChannel* channel = findPass(file, pass)) return *channel;
   refuseAbsence(file, pass, fmt::format("the pass '{}'{}", pass, insteadOf(pass)));
@@ -262,7 +262,7 @@ class PassReader {
     }
   }
 
-  // Checks that normals are unit vectors, and flips normals that face away from the camera, except those of edge-on
+  // Checks that normals are unit vectors, and flips normals that face away from the camera, except normals of edge-on
   // surfaces, whose sign may come from rounding. Normals from writePasses() are therefore never flipped.
   void checkNormals() {
     constexpr double kEdgeOn = 1e-6;  // cosine of the angle of incidence below which a surface counts as edge-on

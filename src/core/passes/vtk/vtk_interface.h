@@ -52,7 +52,7 @@ struct VtkPixels {
   std::uint32_t widths[kVtkImages];      // px, width of each image
 };
 
-// A device that renders a scene. Calls may come from any thread, but only one at a time. They throw std::bad_alloc if
+// A device that renders a scene. Calls may come from any thread, but only one at a time. Calls throw std::bad_alloc if
 // memory is exhausted, and std::runtime_error for other errors.
 class VtkDevice {
  public:

@@ -129,7 +129,7 @@ class DrawnView {
     addDraws(cut, geometry.cut, cut_);
   }
 
-  // Returns the image to draw. Its arrays belong to this view.
+  // Returns the image to draw. The image's arrays belong to this view.
   VtkImage image() const {
     return {camera_.width, camera_.height, static_cast<float>(limits_.nearest), placements_, solid_, cut_};
   }

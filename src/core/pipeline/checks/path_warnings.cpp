@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-// Limits of what is normal, chosen by eye.
+// Limits beyond which positions and paths are unusual, chosen by eye.
 constexpr double kMostHeight = 50;       // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnSurface = 0.05;      // m; a sensor at most this far from a surface causes a warning
 constexpr double kMostBareShare = 0.02;  // a path causes a warning if a larger fraction of it has no ground

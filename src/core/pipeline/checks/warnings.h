@@ -17,7 +17,7 @@ class ShotSource;
 
 // Warns of meshes whose size suggests a wrong unit: larger than 5 km or smaller than 1 mm or, for meshes that are a
 // single thing such as a car, larger than 300 m or smaller than 1 cm. Returns one line per mesh: at most five lines
-// and, if there are more such meshes, a line with the number of the others.
+// and, if there are more such meshes, a line with the number of the other meshes.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
 // Warns of damaged meshes, in which triangles were left out because a corner is not finite or does not exist.

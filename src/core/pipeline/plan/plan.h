@@ -1,6 +1,6 @@
 #pragma once
 
-// The plan of a pipeline: everything that the pipeline will do. It is made before a scene is loaded and before the
+// The plan of a pipeline: everything that the pipeline will do. A plan is made before a scene is loaded and before the
 // first ray is traced.
 //
 //   const Plan plan = makePlan(readPipeline("pipelines/quickstart.yaml", {}));
@@ -54,9 +54,9 @@ struct Plan {
   void checkMemory(std::uint64_t bytes, const std::string& scene) const;
 };
 
-// Makes the plan of a pipeline. `recorded`: channels that a recording saves beyond those that the scans need. Throws
-// InputError if the plan cannot be carried out, for instance since the scenes' ontologies differ, the method cannot do
-// what the pipeline asks for, or a frame exceeds the memory limit.
+// Makes the plan of a pipeline. `recorded`: channels that a recording saves beyond the channels that the scans need.
+// Throws InputError if the plan cannot be carried out, for instance since the scenes' ontologies differ, the method
+// cannot do what the pipeline asks for, or a frame exceeds the memory limit.
 Plan makePlan(Pipeline pipeline, Channels recorded = {});
 
 // Returns what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its rays that hit

@@ -40,8 +40,8 @@ void addValue(const Value& value, const std::function<void(std::string_view)>& a
   }
 }
 
-// Adds the names and sizes of a recording's files to a hash. Their contents are not hashed, since reading all images
-// would take too long.
+// Adds the names and sizes of a recording's files to a hash. The files' contents are not hashed, since reading all
+// images would take too long.
 void addRecording(const fs::path& folder, const std::function<void(std::string_view)>& add) {
   std::set<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder)) {

@@ -36,10 +36,10 @@ double mostSampleBytes(const Plan& plan);
 // With `output.shuffle`, the samples of each shard are chosen from the split at random, with the pipeline's seed.
 std::vector<ShardJob> shardJobs(const Plan& plan);
 
-// Returns the description of a plan that is stored with each part of a dataset. Its hash identifies the dataset. The
-// hash covers the program's version, the pipeline, the sensors and their beams, the scene files, the vehicle and the
-// ontology that the pipeline names, and the names and sizes of a recording's files. Files that scene files name
-// (assets, ontologies, materials) are not covered: requireUnchangedFiles() compares them.
+// Returns the description of a plan that is stored with each part of a dataset. The description's hash identifies the
+// dataset. The hash covers the program's version, the pipeline, the sensors and their beams, the scene files, the
+// vehicle and the ontology that the pipeline names, and the names and sizes of a recording's files. Files that scene
+// files name (assets, ontologies, materials) are not covered: requireUnchangedFiles() compares them.
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
 
 }  // namespace scanmill

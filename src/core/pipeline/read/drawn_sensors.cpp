@@ -67,7 +67,7 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
 }
 
 // Throws InputError if the cases differ in the number of rays per beam, in whether there is an intensity, or in its
-// unit. All scans of a dataset must agree in these.
+// unit. All scans of a dataset must agree in these properties.
 void DrawnSensors::checkCases() const {
   for (const SensorDraw& testCase : cases_) {
     for (std::size_t s = 0; s < testCase.effects.size(); ++s) {

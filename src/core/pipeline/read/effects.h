@@ -79,9 +79,9 @@ Effects readSensorEffects(const Value& list, const EffectClasses& classes, const
 const std::vector<std::string>& severities();
 
 // Returns the list `effects` after the corruption is applied to it. An effect of the corruption that is also in the
-// list replaces only the keys that the corruption states. It replaces the complete effect if it names a kind of
-// weather, or if the list gives `none` or a random choice for the effect. Effects of the corruption that are not in the
-// list are appended. `effects` may be Null or the word `sensor`. Throws InputError.
+// list replaces only the keys that the corruption states. The corruption's effect replaces the complete effect if it
+// names a kind of weather, or if the list gives `none` or a random choice for the effect. Effects of the corruption
+// that are not in the list are appended. `effects` may be Null or the word `sensor`. Throws InputError.
 [[nodiscard]] Value withCorruption(const Value& effects, const Value& corruption);
 
 // Returns the names of the corruptions that come with the program, in alphabetical order.

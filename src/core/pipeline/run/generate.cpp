@@ -104,7 +104,7 @@ class DatasetRun {
   // Opens a shard for writing and returns its number of samples; 0 if it is complete, or if another process makes it.
   std::size_t open(std::size_t job) {
     const ShardJob& shard = jobs_[job];
-    // Kind::Any checks sizes only: checking bytes would make each process read the shards of all others.
+    // Kind::Any checks sizes only: checking bytes would make each process read the shards of all other processes.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     // Claims the shard before looking for its record; otherwise another process could complete the shard in between.
@@ -329,8 +329,8 @@ class DatasetRun {
   SampleMaker maker_;
 };
 
-// Throws InputError if two of the folders for the dataset and its recordings are the same, or one is within another:
-// --overwrite for one of them could then remove files of the other.
+// Throws InputError if two of the folders for the dataset and its recordings are the same, or if one folder is within
+// another: --overwrite for one of them could then remove files of the other.
 void checkSeparateFolders(const Plan& plan, const GenerateOptions& options) {
   std::vector<std::filesystem::path> folders;
   const std::shared_ptr<const Recording>& recording = plan.pipeline.recording;

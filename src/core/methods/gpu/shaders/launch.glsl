@@ -1,5 +1,5 @@
 // Creates the particles of a MarchJob by the same operations as launch() (methods/particle/launch.cpp), in the same
-// order, in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
+// order, in double. Storage buffers: 0 to 3 as in rays.glsl, 4 particles (float columns, in the order of Particles).
 
 #include "particles.glsl"
 

@@ -3,7 +3,7 @@
 //
 // Storage buffers: 0 particles (float columns, in the order of Particles), 1 hit records (uint columns: bits of the
 // distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) must be
-// added to the distance). Tables: those of field.glsl, and 2 the field's distances.
+// added to the distance). Tables: 0, 1 and 3 as in field.glsl, 2 the field's distances.
 
 // Must have the same members as the struct MarchParameters in device_march.cpp.
 layout(std140, binding = 0) uniform MarchParameters {

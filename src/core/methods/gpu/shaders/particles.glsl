@@ -1,4 +1,4 @@
-// Finds the rays of a dispatch's particles. The storage buffers 0 to 3 are those of rays.glsl.
+// Finds the rays of a dispatch's particles. The storage buffers 0 to 3 are as in rays.glsl.
 
 // The block has the layout of ParticleParameters in gl_marcher.cpp.
 layout(std140, binding = 0) uniform Parameters {

@@ -1,7 +1,7 @@
 // Computes the hit of a particle like resolve() (methods/particle/resolve.cpp), in the same order, in double. If
-// rounding of a quotient could change a decision, the particle is left to the CPU. The storage buffers 0 to 3 are those
-// of rays.glsl; 4 (hit records) and 6 (particles) are the buffers 1 and 0 of march.glsl; 5 and the tables 0 to 3 are
-// those of hit_columns.glsl.
+// rounding of a quotient could change a decision, the particle is left to the CPU. Storage buffers: 0 to 3 as in
+// rays.glsl; 4 (hit records) and 6 (particles) are the buffers 1 and 0 of march.glsl; 5 as in hit_columns.glsl. Tables:
+// 0 to 3 as in hit_columns.glsl.
 
 #include "particles.glsl"
 #include "hit_columns.glsl"

@@ -1,4 +1,4 @@
-// Computes hits in fields without lists, where particles stop at a surface. Tables 4 to 6 are those of field.glsl.
+// Computes hits in fields without lists, where particles stop at a surface. Tables: 4 to 6 as in field.glsl.
 
 #include "resolve.glsl"
 
