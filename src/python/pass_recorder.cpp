@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kTrajectory = "cameras";
 
-// Returns the pose from a quaternion w, x, y, z that a translation x, y, z follows.
+// Returns the pose from a quaternion w, x, y, z and a translation x, y, z, in this order.
 Pose poseOf(const std::array<double, 7>& p) {
   return {{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6]}};
 }

@@ -80,7 +80,7 @@ class Simulator {
   Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts = {},
             bool placeable = false);
 
-  // Returns one scan per sensor. They equal the scans of `scanmill generate` with this pipeline in the frame `frame` if
+  // Returns one scan per sensor: the scan that `scanmill generate` makes with this pipeline in the frame `frame`, if
   // the vehicle has the same poses, and all objects have the scene's poses and stand still during the revolution.
   // Throws InputError for an unknown object.
   std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const;

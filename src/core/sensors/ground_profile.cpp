@@ -69,8 +69,7 @@ Quat onSlope(double yaw, double along, double left) {
 }
 
 // Fits a line by least squares to the samples middle - reach to middle + reach over the distance `driven` (m along the
-// path, by sample). Returns the line's values at the sample `middle`. A line preserves constant slopes for any spacing
-// of the samples.
+// path, by sample). Returns the line's values at the sample `middle`. A line preserves constant slopes for any spacing.
 GroundSample fitAt(std::size_t middle, std::size_t reach, const std::vector<GroundSample>& samples,
                    const std::vector<double>& driven) {
   double sumD = 0, sumDD = 0;   // sums of the distances from the middle sample (m) and of their squares

@@ -71,8 +71,7 @@ class GroundProfile {
   std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };
 
-// Returns the pose placed on the ground, with its own pitch and roll added to the ground's. Throws InputError if there
-// is no ground under the pose.
+// Returns the pose on the ground, with its own pitch and roll added to the ground's. Throws InputError without ground.
 [[nodiscard]] Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground);
 
 }  // namespace scanmill

@@ -66,7 +66,7 @@ Affine readRigidTransform(std::string_view text, const Location& where) {
 }
 
 // Sets each pose's rotation to the direction of travel: from the last mark before the pose to the first mark after it.
-// Marks are poses at least 5 cm apart, so that a vehicle that stands still heads for its next mark.
+// Marks are poses at least 5 cm apart, so that a vehicle at rest heads for its next mark.
 void setHeadingsOfTravel(std::vector<StampedPose>& poses) {
   constexpr double kMarkSpacing = 0.05;  // m, least distance from a mark to the next mark
   const auto positionOf = [&](std::size_t i) { return poses[i].pose.translation; };
@@ -80,7 +80,7 @@ void setHeadingsOfTravel(std::vector<StampedPose>& poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (mark + 1 < marks.size() && marks[mark + 1] <= i) ++mark;
     const std::size_t markAfter = std::min(mark + 1, marks.size() - 1);
-    // Find the last mark before pose i. It must be neither pose i itself nor the mark `markAfter`.
+    // Take the last mark before pose i. Unless it is the first mark, it must be neither pose i itself nor markAfter.
     const std::size_t markBefore = (marks[mark] == i || markAfter == mark) && mark > 0 ? mark - 1 : mark;
     const Vec3d step = positionOf(marks[markAfter]) - positionOf(marks[markBefore]);
     poses[i].pose.rotation =

@@ -28,8 +28,8 @@ class RecordedPoses {
   // `poses`: at least two, with ascending times.
   explicit RecordedPoses(std::vector<StampedPose> poses);
 
-  // Returns the pose at a time (s after the first pose). The vehicle stands still before the first pose and after the
-  // last.
+  // Returns the pose at a time (s after the first pose). The vehicle stands still before the first and after the last
+  // pose.
   Pose at(double time) const;
   double duration() const { return poses_.back().time; }  // s, time of the last pose
   double length() const;                                  // m, sum of the straight distances from pose to pose
@@ -58,7 +58,7 @@ const FormatSupport& poseFormat();
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
 std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file
-// Returns cameraFromScanner from the line `Tr` or `Tr_velo_to_cam` of KITTI's calib.txt. All these throw InputError.
+// Returns cameraFromScanner from the line `Tr` or `Tr_velo_to_cam` of KITTI's calib.txt; throws InputError without it.
 Affine readKittiCalibration(const std::filesystem::path& file);
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file);
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file);

@@ -28,8 +28,8 @@ double readCount(const Value& value, std::string_view key) {
   return count;
 }
 
-// Reads {top:, bottom:, rings:} and returns the elevations of the evenly spaced rings (deg), by ring. `order`: value of
-// the key ring_order, top_down or bottom_up; `orderWhere`: its place in the file.
+// Reads {top:, bottom:, rings:} and returns the elevations (deg) of the evenly spaced rings. `order`: value of the key
+// ring_order, top_down or bottom_up; `orderWhere`: location of the key in the file.
 std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, const std::string& order,
                                       const Location& orderWhere) {
   Fields fields(value, "elevation_deg");
@@ -54,7 +54,7 @@ std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, c
   return elevation;
 }
 
-// Reads each ring's elevation (deg) from a list. Throws InputError if the list contradicts `order`, the key ring_order.
+// Reads each ring's elevation (deg) from a list. Throws InputError if the list is not in `order` (the key ring_order).
 std::vector<double> listedElevations(const Value& value, const std::string& order) {
   std::vector<double> elevation = readNumbers(value, "elevation_deg", {-90, 90});
   for (std::size_t ring = 1; ring < elevation.size() && order != "unordered"; ++ring) {
@@ -208,9 +208,9 @@ void clearCones(BeamTable& table) {
   table.firingOffset.assign(table.rings, 0);
 }
 
-// Each of the next four functions reads one kind of beams into a table that has its rings, columns and period. They
-// throw InputError for keys of the other kinds. readListed() reads the file that the key `beams` names, with one line
-// per beam.
+// Each of the next four functions reads one kind of beams into a table that has its rings, columns and period, and
+// throws InputError for keys of the other kinds. readListed() reads the file that the key `beams` names: one line per
+// beam.
 void readListed(Fields& fields, BeamTable& table) {
   refuseBeside(fields, "beams", {"columns", "firing_time_us", "rosette", "raster"});
   clearCones(table);

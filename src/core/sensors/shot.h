@@ -40,9 +40,9 @@ struct Shot {
   double untilNext = 0;
   std::shared_ptr<const BeamTable> beams;
 
-  // The sensor's pose at the start of each step of the revolution. With one entry the sensor stands still during the
-  // revolution. A column belongs to the step column * steps / columns, rounded down; the number of steps need not
-  // divide the number of columns.
+  // The sensor's pose at the start of each step of the revolution; one pose: the sensor stands still during the
+  // revolution. A column belongs to the step column * steps / columns, rounded down; steps need not divide the number
+  // of columns.
   std::vector<Pose> worldFromSensor;
 
   // The velocity over ground (m/s, world axes) of the sensor's origin in each step. Empty: the sensor stands still.
@@ -53,8 +53,8 @@ struct Shot {
   bool deskew = false;
 
   // Distance (m) along each ray of `beams` beyond which the ray's hits do not matter, for example because the ego
-  // vehicle blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore these distances. The array must
-  // outlive the shot.
+  // vehicle blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore the array, which must outlive
+  // the shot.
   std::span<const float> blockedBeyond;
 
   // Poses of objects in this shot that replace the poses of the scene; null: all objects have the scene's poses. The

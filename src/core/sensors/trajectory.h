@@ -129,8 +129,7 @@ class Trajectory {
   const GroundOptions* ground() const { return groundOptions_ ? &*groundOptions_ : nullptr; }
   // Returns a copy that follows a path of waypoints (m). The path must be at least as long as randomPath() requires.
   [[nodiscard]] Trajectory along(const std::vector<Vec3d>& waypoints) const;
-  // Returns a copy placed on the ground. Throws InputError if a listed pose has no ground, or if no part of the path
-  // has ground.
+  // Returns a copy placed on the ground. Throws InputError if a listed pose, or the whole path, has no ground under it.
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bareFraction() : 0; }
@@ -181,7 +180,7 @@ class Trajectory {
   std::shared_ptr<const GroundProfile> profileOfGround_;
 };
 
-// Returns the number of trajectories that one map in the pipeline's list defines: the value of the key `drives` or, if
+// Returns the number of trajectories that an item of the pipeline's list defines: the value of the key `drives` or, if
 // the key is absent, 1. Throws InputError.
 std::uint32_t countDrives(const Value& value);
 

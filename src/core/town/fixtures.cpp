@@ -156,7 +156,7 @@ void placeRow(Placer& placer, const Model& panel, const models::Span& along, dou
 constexpr double kMostBetweenPoles = 60;  // m, largest distance between two poles that a wire connects
 constexpr double kMostToHouse = 26;       // m, largest distance between a pole and a house that a wire connects
 
-// Adds a wire between two points as a parabola, which is close to a catenary. `sag`: m, in the middle of the wire.
+// Adds a wire between two points as a parabola, which is close to a catenary. `sag`: sag (m) in the middle of the wire.
 void addWire(models::Shape& s, SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double sag, double radius) {
   constexpr int kPieces = 16;
   std::vector<Vec3d> points;
@@ -186,7 +186,7 @@ bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
   return true;
 }
 
-// Places poles behind the pavement at one side of the main road: evenly spaced, but moved where objects are in the way.
+// Places poles behind the pavement at one side of the main road, evenly spaced but away from objects, and returns them.
 std::vector<PlacedPole> placePoles(Placer& placer, Draw& draw, const UtilityPole& pole) {
   const Layout& l = placer.layout;
   const Road& road = l.mainRoad();

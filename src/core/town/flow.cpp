@@ -76,7 +76,7 @@ class Flow {
     return std::max(-kHardest, kModel.acceleration * (1 - freeTerm - gapRatio * gapRatio));
   }
 
-  // Returns the least of the accelerations (m/s^2) for the speed limit, the vehicles in front and closed stop lines.
+  // Returns vehicle `i`'s acceleration (m/s^2): the least for the speed limit, vehicles in front and closed stop lines.
   double acceleration(std::size_t i, double time) const {
     const Driver& d = drivers_[i];
     const State& s = states_[i];

@@ -53,8 +53,8 @@ double areaOf(const Polygon& ring);  // m^2; negative if the ring is clockwise
 // Returns the smallest rectangle that contains a polygon and is parallel to one of the polygon's sides.
 models::Footprint rectangleAbout(const Polygon& ring);
 Polygon cornersOf(const models::Footprint& f);
-// Returns the part of a polygon that lies in the square from -half to half (m) in x and y, by Sutherland and Hodgman,
-// "Reentrant polygon clipping", Communications of the ACM 17 (1974). Separate parts stay connected along the square.
+// Returns the part of a polygon in the square from -half to half (m) in x and y, by Sutherland and Hodgman, "Reentrant
+// polygon clipping", Communications of the ACM 17 (1974). Edges along the square's sides connect separate parts.
 [[nodiscard]] Polygon clipped(Polygon ring, double half);
 
 }  // namespace scanmill::town

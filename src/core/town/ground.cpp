@@ -100,7 +100,7 @@ class GroundMaker {
     }
   }
 
-  // Returns an index in sections_: the number of the road whose cross section `b` has, or a new index at a crossing.
+  // Returns the index of b.section in sections_: the road's number or, where the sections of roads blend, a new index.
   std::uint32_t numberOf(const Beside& b) {
     if (b.section == sections_[b.road]) return b.road;
     sections_.push_back(b.section);
@@ -135,7 +135,7 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Returns the index of a point's vertex, added if missing. Low kinds (road, parking) share one, other kinds a second.
+  // Returns the index of a point's vertex; adds a missing vertex. Low kinds (road, parking) share one, others another.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::uint32_t& indexPlusOne = (isLow(kind) ? low_ : high_)[point];
     if (indexPlusOne == 0) {

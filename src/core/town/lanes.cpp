@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kPointDistance = 6;  // m between the points of a path
 
-// Returns points that continue a path by `reach` m beyond the point `end`: down a ramp, in a half circle, and back far
-// below the ground. Vehicles are hidden there before they arrive or after they have left.
+// Returns points that continue a path from `beforeEnd` to `end` by `reach` m: down a ramp, in a half circle, and back
+// far below the ground. Vehicles are hidden there before they arrive or after they have left.
 std::vector<Vec3d> hiddenPath(const Vec3d& end, const Vec3d& beforeEnd, double reach) {
   std::vector<Vec3d> points;
   if (reach <= 0) return points;

@@ -86,7 +86,7 @@ MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass
   return road;
 }
 
-// Returns the ring of the nodes without points on straight walls. Mirrored rings are reversed to stay clockwise or not.
+// Returns the ring of the nodes without points on straight walls. A mirrored ring stays clockwise or counter-clockwise.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;     // m, least length of a wall
   constexpr double kLeastOffset = 0.05;  // m between a corner and the straight line through its neighbours

@@ -255,8 +255,8 @@ class OwnerFinder {
     std::sort(byWest_.begin(), byWest_.end());
   }
 
-  // Returns the index of a part's building. If buildings are in the part's relation, this is the one with the largest
-  // overlap; otherwise the building that contains most of the part and at least half. Returns nullopt if there is none.
+  // Returns the index of a part's building: the building in the part's relation with the largest overlap or, if none is
+  // in the relation, the building that contains most of the part and at least half; nullopt if there is no building.
   std::optional<std::size_t> operator()(const MapBuilding& part) const {
     std::optional<std::size_t> owner;
     double largestOverlap = 0;

@@ -36,8 +36,8 @@ constexpr double kAroundLand = 30;    // m by which areas of land may extend bey
   throw InputError(where, "{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest, kLeastLength);
 }
 
-// Returns the index of a random main road: at least kLeastLength long and with the wanted name or, if none is wanted,
-// of at least residential class. The probability is proportional to the length. Throws InputError if no road fits.
+// Returns the index of a random main road: at least kLeastLength long, with the wanted name or, if no name is wanted,
+// of residential class or above. The probability is proportional to the length. Throws InputError without such a road.
 std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
   std::vector<std::size_t> candidates;
   double totalLength = 0;

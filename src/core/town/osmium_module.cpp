@@ -198,7 +198,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
 
   static bool isInner(const osmium::RelationMember& member) { return std::string_view(member.role()) == "inner"; }
 
-  // Adds an OsmArea for each outer ring of a closed way, or of a relation with the ways `ways`, or one with a fault.
+  // Adds an OsmArea per outer ring of a closed way or of a relation with the ways `ways`; on failure, one with a fault.
   template <class Element, class... Ways>
   void addArea(const Element& element, const OsmTags& tags, const Ways&... ways) {
     osmium::area::AssemblerConfig config;

@@ -142,7 +142,7 @@ bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model&
   return true;
 }
 
-// Tries at most kTries random positions for a standing person, and uses the first that is free.
+// Tries at most kTries random positions for a standing person; the person stands at the first position that is free.
 void placeStandingPerson(Placer& placer, Draw& draw, const Model& person, const std::string& name) {
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
     const std::optional<PavementPosition> position = drawPosition(placer, draw);

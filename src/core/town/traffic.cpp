@@ -95,7 +95,7 @@ class Traffic {
   };
 
   const Road& road(std::uint32_t r) const { return l_.roads()[r]; }
-  // Return the number of the lane of side road `r` that leads to, or away from, the main road, whose lane has number 0.
+  // inwards() returns the number of side road r's lane towards, outwards() away from the main road, whose lane is 0.
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 

@@ -61,7 +61,7 @@ double ChartScale::positionOf(double value) const {
 void ChartScale::widen(bool includesZero) {
   constexpr double kEndMargin = 0.04;  // fraction of the axis's length
   if (!(high_ > low_)) {
-    // If all values are equal, both ends move: by one decade (logarithmic axis), by 10 % of the value or, for 0, by 1.
+    // If all values are equal, both ends move outwards by one decade (logarithmic), 10 % of the value or, for 0, by 1.
     const double halfLength = log_ || low_ == 0 ? 1 : std::abs(low_) * 0.1;
     low_ -= halfLength, high_ += halfLength;
   }

@@ -297,7 +297,7 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;  // largest difference of two lengths divided by the shorter
   const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
-  // Returns a file's horizontal extent beside x: y, or z if the guessed up axis is not the axis assumed for reading.
+  // Returns a file's horizontal extent besides x: y, or z if the guessed up axis is not the axis assumed for reading.
   const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->readUp ? 1 : 2]; };
   std::vector<FrameGuess*> tiles;
   for (const FrameGuess* f : files) {

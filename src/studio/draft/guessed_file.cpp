@@ -71,8 +71,7 @@ void nameFiles(std::vector<GuessedFile>& models) {
   }
 }
 
-// True if the names of nodes state coarser levels of detail beside the finest level: "Tree_LOD1" or "Tree_Billboard"
-// beside "Tree_LOD0".
+// True if nodes are named after coarser levels of detail too: "Tree_LOD1" or "Tree_Billboard" beside "Tree_LOD0".
 bool hasCoarserLevels(const std::vector<GuessedPart>& parts) {
   std::set<std::string> nodes;
   for (const GuessedPart& p : parts) nodes.insert(lowerCase(p.node));

@@ -164,8 +164,7 @@ class BeamErrorSum::Impl {
   }
 
  private:
-  // `beams`: number of beams with a true hit on the instance; `beamsFound`: number of these with a tested hit there
-  // too.
+  // `beams`: number of beams with a true hit on the instance; `beamsFound`: those that also have a tested hit on it.
   struct InstanceBeams {
     std::uint64_t beams = 0, beamsFound = 0;
   };

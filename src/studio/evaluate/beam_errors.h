@@ -1,7 +1,6 @@
 #pragma once
 
-// Compares the hits of a method with exact hits, beam by beam, over any number of shots. The exact hits are called the
-// truth.
+// Compares the hits of a method with exact hits (called the truth), beam by beam, over any number of shots.
 
 #include <algorithm>
 #include <cstdint>
@@ -62,8 +61,7 @@ struct SizeRecall {
   std::uint64_t beamsFound = 0;      // number of beams counted in `beams` whose tested hit is on the same instance
 };
 
-// The errors of all beams, and of groups of beams. A beam is grouped by its true hit; if only the tested method has a
-// hit, by the tested hit.
+// The errors of all beams, and of groups of beams. A beam is grouped by its true hit, otherwise by its tested hit.
 struct BeamErrors {
   GroupErrors all;
   std::vector<ErrorGroup> byRange;  // bands of the range (m)
@@ -115,8 +113,7 @@ std::vector<Box> objectBoxes(const Mesh& mesh);
 struct InstanceSize {
   double smallest = 0, largest = 0;
 };
-// Returns the sizes of a scene's object instances, indexed by instance id. The size is 0 for the id 0 and for ids that
-// do not occur.
+// Returns the sizes of a scene's object instances, indexed by instance id; 0 for the id 0 and ids that do not occur.
 std::vector<InstanceSize> instanceSizes(const Scene& scene);
 
 }  // namespace scanmill

@@ -21,8 +21,7 @@ struct Setting {
   std::string method;  // the method's name in the table methods()
   std::string options;  // options as YAML text, such as "{resolution: 512, sampling: nearest}"; "{}": all defaults
 
-  // Returns the argument of --set that makes a pipeline use the setting, such as "method={depth_camera: {resolution:
-  // 512}}".
+  // Returns the argument of --set that selects the setting, such as "method={depth_camera: {resolution: 512}}".
   std::string assignment() const;
 };
 

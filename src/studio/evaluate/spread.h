@@ -33,8 +33,7 @@ inline double shareOf(std::uint64_t part, std::uint64_t total, double ifNone = 0
 // sets perfectly. Both sets must have values, none of them NaN.
 double rocArea(std::vector<float> a, std::vector<float> b);
 
-// Returns the median; for an even number of values, the larger of the two middle values. Returns `none` if there are no
-// values.
+// Returns the median; for an even number of values, the larger of the two in the middle; `none` if there are no values.
 template <class T>
 double medianOf(std::vector<T> values, double none = 0) {
   if (values.empty()) return none;

@@ -89,8 +89,7 @@ struct DatasetSummary {
 // Adds counts bin by bin; `sum` grows to the length of `part`.
 void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& part);
 
-// Computes the summary of a dataset. `counts`: the counts of the scans at `places`, in the same order; absent if a scan
-// could not be read.
+// Computes the summary of a dataset. `counts`: counts of the scans at `places`, in this order; absent for unread scans.
 DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanIndex>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps);
 
@@ -157,8 +156,7 @@ struct DatasetReport {
 // if no scan can be read. Other faults are reported as warnings.
 DatasetReport examineDataset(const std::filesystem::path& folder, const DatasetReportOptions& options);
 
-// Returns the report as an HTML file. The same dataset with the same name, seed and options always gives the same
-// bytes.
+// Returns the report as an HTML file. The same dataset, name, seed and options always give the same bytes.
 std::string datasetPage(const DatasetReport& report);
 
 }  // namespace scanmill

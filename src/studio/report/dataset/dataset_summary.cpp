@@ -15,7 +15,7 @@ namespace {
 
 using ClassPoints = std::map<std::uint16_t, std::uint64_t>;
 
-// Returns the entry with this name; appends one with this name if there is none.
+// Returns the entry with this name; appends an entry with this name if the list has none.
 auto& entryNamed(auto& list, const std::string& name) {
   const auto found = std::ranges::find_if(list, [&](const auto& e) { return e.name == name; });
   if (found != list.end()) return *found;

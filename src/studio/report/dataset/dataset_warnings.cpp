@@ -116,7 +116,7 @@ class Warnings {
     return beams;
   }
 
-  // Compares the classes in the split "train" with the classes in every other split.
+  // Warns of classes that the split "train" has and another split lacks, or the other way round.
   void splits() {
     const auto train =
         std::ranges::find_if(sum_.splits, [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });
