@@ -186,7 +186,7 @@ class Layout {
   bool isOffRoads(const models::Footprint& f, double gap, double step = 1) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;
-  // The terms of heightAt() (m), described in layout.cpp.
+  // The terms and factors of heightAt(), which layout.cpp describes.
   double hillsAt(const Point2& p) const;
   double carriagewayHeight(double inside, const Point2& p) const;
   double rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const;

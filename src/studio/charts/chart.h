@@ -22,7 +22,7 @@ struct ChartAxis {
   // The unit of the numbers. Units such as "m", "s" and "B" get SI prefixes (10 µm, 1 mm); with "%", numbers are
   // fractions and are written in per cent (0.1 as 10 %). Without a unit, numbers are written like 0.001 and 10 k.
   std::string unit{};
-  // The ends of the axis. If one is absent, the data determine it. If data lie beyond an end, the axis is extended.
+  // The ends of the axis. The data determine an absent end. If data lie beyond an end, the axis is extended.
   std::optional<double> low{}, high{};
   // Label of the band at the start of a logarithmic axis. Values of zero and below are drawn in this band.
   std::string zero = "0";

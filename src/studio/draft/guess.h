@@ -60,14 +60,14 @@ std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& ass
 // "meshes", the name of the folder above.
 std::string folderName(const std::filesystem::path& file);
 
-// Returns the concept that the file's name states. Returns null if it states none, if the file itself states classes,
-// as labelled point clouds do, or if the file contains a place: the names of its parts state other objects, such as a
-// house, trees, a car and a lawn in "house.obj".
+// Returns the concept that the file's name states. Returns null if the name states no concept, if the file itself
+// states classes, as labelled point clouds do, or if the file contains a place: the names of its parts state other
+// objects, such as a house, trees, a car and a lawn in "house.obj".
 const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset);
 
-// Returns the concept that folderName() states. Returns null if it states none, if the file's own name states a
-// concept, if the file itself states classes, or if the names of the parts state at least three kinds of objects and
-// grounds: such a folder may be named after the place whose models it contains.
+// Returns the concept that folderName() states. Returns null if that name states no concept, if the file's own name
+// states a concept, if the file itself states classes, or if the names of the parts state at least three kinds of
+// objects and grounds: such a folder may be named after the place whose models it contains.
 const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset);
 
 // An object by whose size a unit is guessed.

@@ -70,7 +70,7 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
   return account;
 }
 
-// Sets the times per scan in `cost`. `secondsOfSensor`: durations of all scans of each sensor (s).
+// Sets the times per scan in `cost`. `secondsOfSensor`: durations (s) of all scans, by sensor.
 void addTimes(const std::map<std::uint32_t, std::vector<double>>& secondsOfSensor, Cost& cost) {
   double scans = 0;
   for (const auto& [sensor, seconds] : secondsOfSensor) scans += static_cast<double>(seconds.size());

@@ -19,7 +19,7 @@ struct Pipeline;
 
 struct Cost {
   double setupSeconds = 0;  // wall time for creating the method and preparing it for the first shot
-  // Wall time of a scan (s): the median, minimum and maximum over all scans of a sensor. For several sensors, each
+  // Wall time (s) of a scan: the median, minimum and maximum over all scans of a sensor. For several sensors, each
   // value is a mean that is weighted by the sensors' numbers of scans.
   double scanSeconds = 0;
   double fastest = 0, slowest = 0;

@@ -194,7 +194,7 @@ double incidenceCosine(const World& world, const CandidateHit& hit, const Vec3d&
   return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[hit.triangle].normal), direction));
 }
 
-// Returns the hit that the tracer reports: among the hits that are coplanar with the nearest hit, the one with the
+// Returns the hit that the tracer reports: among the hits that are coplanar with the nearest hit, the hit with the
 // lowest coplanarRank(), whatever the order of `found`. `found` must not be empty.
 CandidateHit reportedHit(const World& world, const std::vector<CandidateHit>& found, const Vec3d& direction) {
   if (found.size() == 1) return found.front();

@@ -20,7 +20,7 @@ constexpr int kBarHeight = 21, kAxesHeight = 120;  // height in pixels: of one b
 constexpr std::size_t kMostClasses = 12;           // maximum number of classes in a stacked bar beside "other classes"
 constexpr const char* kOtherFill = "#8b949e";
 
-// Returns the classes for which count(class) is not zero, those with the largest count first.
+// Returns the classes for which count(class) is not zero, sorted by this count with the largest first.
 std::vector<const ClassSummary*> classesWith(const DatasetSummary& summary,
                                              const std::function<std::uint64_t(const ClassSummary&)>& count) {
   std::vector<const ClassSummary*> classes;
@@ -42,9 +42,8 @@ struct DistanceRing {
   std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
 };
 
-// Returns at most eleven rings for a bar chart. Together they reach to the last step with points. Rings are narrower
-// near the sensor, where most points are. The last step of DatasetSummary::steps, which has all larger distances, is a
-// separate ring.
+// Returns at most eleven rings for a bar chart, which together reach to the last step with points. Rings are narrower
+// near the sensor, where most points are. The last step of DatasetSummary::steps, for all larger distances, is a ring.
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
   const std::size_t count = summary.steps.count;
   std::size_t last = 0;
@@ -167,7 +166,7 @@ Chart intensitiesChart(const DatasetSummary& summary) {
   for (const SensorSummary& s : summary.sensors) {
     if (!s.intensities.empty()) largest = std::max(largest, intensityOfKey(s.intensities.rbegin()->first));
   }
-  // The axis ends at a power of two: then each intensity key lies completely in one bin.
+  // The axis ends at a power of two, so that each intensity key lies completely in one bin.
   const double high = largest > 0 ? std::exp2(std::floor(std::log2(double{largest})) + 1) : 1;
   return stepsChart(
       summary, {.name = "intensities", .title = "Intensities", .note = "of intensity", .x = {.title = "intensity"}},

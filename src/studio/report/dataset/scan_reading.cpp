@@ -41,9 +41,8 @@ Scan readScan(const ScanStore& store, const ScanIndex& index) {
   throw InputError(fmt::format("the scan of {}, {} is missing", sample.key, record.sensor));
 }
 
-// Returns a random number for a seed and a sample, from the Philox generator with the seed as key and the sample in the
-// counter. The counter's last word states the purpose of a random number, so the result is independent of the program's
-// other random numbers.
+// Returns a random number from the Philox generator. The key is the seed; the counter consists of the sample and a word
+// for the purpose of the number, which is therefore independent of the program's other random numbers.
 std::uint64_t randomNumber(std::uint64_t seed, std::size_t sample) {
   constexpr std::uint32_t kPictures = 0xFFFF0000u;
   const RandomBlock block = philox4x32(

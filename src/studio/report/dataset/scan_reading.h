@@ -40,7 +40,7 @@ std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<b
                                    std::uint64_t seed);
 
 // Returns one text per shard of the manifest: the shard's fault, or an empty text if the shard is sound. Compares the
-// file's size with the manifest, and its SHA-256 too if `hashed` is true.
+// file's size and, if `hashed` is true, the file's SHA-256 with the manifest.
 std::vector<std::string> shardFaults(const std::filesystem::path& folder, const Manifest& manifest, bool hashed);
 
 // Returns why a part of a sample cannot be read, with paths relative to the dataset's folder. If the sample's shard is
