@@ -99,7 +99,7 @@ class Details {
     }
   }
 
-  // Adds protruding bands around the house: a band below each upper floor, and a wider band under the eaves.
+  // Adds bands around the house: a band below each upper floor, and a band that protrudes farther under the eaves.
   void courses() {
     const double bandDepth = draw_.in(0.05, 0.12);
     const double height = draw_.in(0.12, 0.3);

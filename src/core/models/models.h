@@ -296,7 +296,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing kind)
 enum class Clutter { Cone, Barrier, Skip, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter clutter, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);  // the shelter's open side faces -y
-// Builds a fence panel 2 m long along x, whose middle is at the origin. `kind` must not be Fencing::None.
+// Builds a fence panel 2 m long along x, whose middle is at the origin. `kind`: neither Fencing::None nor a hedge.
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, int form = 0);
 
 }  // namespace scanmill::models

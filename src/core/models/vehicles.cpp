@@ -146,7 +146,7 @@ void appendTrailer(Shape& s, Draw& draw) {
   }
 }
 
-// Appends a caravan: its body with windows and a door on the right, wheels, drawbar, support and gas box.
+// Appends a caravan: a body with windows, a door on the right, wheels, drawbar, support and gas box.
 void appendCaravan(Shape& s, Draw& draw) {
   const auto [shell, glass, black] = s.surfaces(kClass, "car_paint_white", "glass", "plastic_black");
   const double length = draw.in(4.2, 6.2);

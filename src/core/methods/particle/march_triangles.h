@@ -79,7 +79,7 @@ class ListIntersector {
 
   ListIntersector(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // The caller sets these for each added line. A hit replaces another only if it is nearer by more than `tie` (m).
+  // The caller sets `start`, `course` and `tie` (m) of each added line. A hit replaces another if nearer by over `tie`.
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};

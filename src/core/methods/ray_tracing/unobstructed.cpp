@@ -32,8 +32,8 @@ struct ThingExtent {
   double radius = 0;  // m, radius of a ball around `middle` that contains the box
 };
 
-// Returns the extent of a thing from the time `start` (s) to start + duration. The box has the thing's axes in the
-// middle of this time; for a moving thing, it contains the thing's boxes at start, middle and end.
+// Returns the extent of a thing from the time `start` (s) to start + duration. The box has the thing's axes at the
+// middle of this time; for a moving thing, the box contains the thing's boxes at start, middle and end.
 ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double start, double duration) {
   const double middleTime = start + duration / 2;
   std::vector<double> times{middleTime};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds near sensors, each built when it is first needed.
+// Builds and caches the worlds near sensors.
 
 #include <cstdint>
 #include <limits>

@@ -69,7 +69,7 @@ class CameraReader {
     refuse(attribute, fmt::format("must be of type {}", type));
   }
 
-  // Returns the value of an attribute. Throws InputError if the attribute is absent, not of type T or not finite.
+  // Returns an attribute's numbers. Throws InputError if the file lacks it (with `meaning`), or if one is not finite.
   template <class T>
   const T& require(const char* attribute, const char* type, const char* meaning) const {
     const T* value = optional<T>(attribute, type);
@@ -95,7 +95,8 @@ class CameraReader {
     refuse(kMatrix, fmt::format("fx {:g} and fy {:g} must be above 0", camera.fx, camera.fy));
   }
 
-  // Returns worldFromCamera. Reads the rotation from the quaternion if the file has it, because the matrix is rounded.
+  // Returns worldFromCamera. Reads the rotation from the quaternion if the file has it, because the matrix may be
+  // rounded.
   Pose readPose() const {
     constexpr double kRoundedRotation = 1e-5;  // largest difference() between an exact rotation and its float32
     constexpr const char* kMeaning =

@@ -73,7 +73,7 @@ const ExrChannel* findLayerZ(const ExrReader& file) {
   return depth == file.channels().end() ? nullptr : &*depth;
 }
 
-// Returns the names of the file's channels, for messages.
+// Returns the names of the file's first kListed channels, for messages.
 std::string channelList(const ExrReader& file) {
   constexpr std::size_t kListed = 24;  // so that the message stays readable
   std::string list;

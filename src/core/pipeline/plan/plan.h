@@ -35,7 +35,7 @@ struct Plan {
 
   // Throws InputError unless each sample has exactly one revolution of each sensor, as recordings do.
   void requireOneRevolution() const;
-  // Throws InputError if the pipeline's passes cannot be saved. The pipeline must have a method.
+  // Throws InputError if the method renders no passes, or like requireOneRevolution(). The pipeline must have a method.
   void requirePasses() const;
   // Throws InputError if a beam may need several rays, if there is an ego vehicle, or if mounts are random. Hits cannot
   // be recorded then, since a recording holds one ray per beam, the scene alone, and fixed mounts.

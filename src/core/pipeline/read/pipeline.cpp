@@ -112,7 +112,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
   return sensors;
 }
 
-// Reads `vehicle`: the name of a scene, or {scene:, returns:}.
+// Reads `vehicle`: the name of a scene, or a map with the keys `scene` and `returns`.
 void readVehicle(Fields& fields, Pipeline& pipeline) {
   const Value* vehicle = fields.find("vehicle");
   if (vehicle == nullptr || vehicle->kind != Value::Kind::Map) {
@@ -206,7 +206,7 @@ void readMethod(Fields& fields, Pipeline& pipeline) {
   pipeline.method = {&entry, method.options};
 }
 
-// Returns the pipeline of a parsed text. Later keys depend on earlier ones: sequences on the sensors' periods, effects
+// Returns the pipeline of a parsed text. Later keys depend on earlier keys: sequences on the sensors' periods, effects
 // on sequences, sensors and ontology, and random sensors on all of these.
 Pipeline pipelineOf(Value parsed, std::string text, const std::filesystem::path& file,
                     std::shared_ptr<const Recording> recording) {

@@ -30,8 +30,8 @@ constexpr double kLowMount = 0.5;      // m above the vehicle's origin; lower se
 constexpr double kMostBeams = 5e5;
 constexpr double kMostRays = 3e6;
 
-// Factors of a kind of scene. Three multiply the costs of the small town; spreads are the factors by which measured
-// values were above or below forecasts. All factors were fitted to the program's pipelines (2 cores of an AMD EPYC;
+// Factors of a kind of scene. `setup`, `frame` and `bytes` multiply the costs of the small town; measured values were
+// above or below forecasts by the spreads. All factors were fitted to the program's pipelines (2 cores of an AMD EPYC;
 // tests/benchmarks/forecast.cpp). Set-up factors are small, since the small town is the first scene of the process and
 // its set-up therefore includes one-time work.
 struct SceneFactors {
