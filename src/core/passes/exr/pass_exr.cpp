@@ -188,10 +188,6 @@ class PassReader {
     throw InputError({file_.name()}, "channel '{}': {}", channel, why);
   }
 
-  [[noreturn]] void refusePixel(const std::string& channel, std::size_t pixel, const std::string& why) const {
-    refuse(channel, fmt::format("{} at column {}, row {}", why, pixel % file_.width(), pixel / file_.width()));
-  }
-
   ExrTarget depthTarget() {
     const ExrChannel& channel = requireDepth(file_);
     if (channel.type != ExrType::Float32) {
@@ -226,10 +222,10 @@ class PassReader {
     return {&channel, raw.words.data(), sizeof(std::uint32_t)};
   }
 
-  // Calls convert(pixel), which returns false if the pixel's value is invalid, for all pixels, on all cores. Returns
-  // the first pixel with an invalid value, or the number of pixels if all are valid.
-  template <class Convert>
-  std::size_t convertPixels(const Convert& convert) const {
+  // Calls convert(pixel), which returns false if the pixel's value is invalid, for all pixels, on all cores. If values
+  // are invalid, throws InputError for the first one. `problem(pixel)` returns what is wrong with it.
+  template <class Convert, class Problem>
+  void convertPixels(const std::string& channel, const Convert& convert, const Problem& problem) const {
     std::atomic<std::size_t> firstBad = file_.pixels();
     parallelFor(file_.pixels(), kExrGrain, [&](std::size_t begin, std::size_t end) {
       std::size_t firstBadHere = end;
@@ -241,25 +237,25 @@ class PassReader {
            firstBadHere < lowest && !firstBad.compare_exchange_weak(lowest, firstBadHere);) {
       }
     });
-    return firstBad;
+    const std::size_t bad = firstBad;
+    if (bad == file_.pixels()) return;
+    refuse(channel, fmt::format("{} at column {}, row {}", problem(bad), bad % file_.width(), bad / file_.width()));
   }
 
   bool showsSurface(std::size_t pixel) const { return planes_.depth[pixel] < kNoDepth; }
 
   void checkDepth() {
     float* const depth = planes_.depth.data();
-    const std::size_t bad = convertPixels([&](std::size_t i) {
+    const auto convert = [&](std::size_t i) {
       const bool valid = depth[i] > 0;
       if (depth[i] >= kLeastNoDepth) depth[i] = kNoDepth;
       return valid;
+    };
+    convertPixels(depthName_, convert, [&](std::size_t bad) {
+      return fmt::format(
+          "a depth of {:g} m (1e10 means that nothing is seen, and it is more than 0 in front of the camera)",
+          depth[bad]);
     });
-    if (bad < file_.pixels()) {
-      refusePixel(
-          depthName_, bad,
-          fmt::format("a depth of {:g} m (1e10 means that nothing is seen, and it is more than 0 in front of the "
-                      "camera)",
-                      planes_.depth[bad]));
-    }
   }
 
   // Checks that normals are unit vectors, and flips normals that face away from the camera, except normals of edge-on
@@ -273,7 +269,7 @@ class PassReader {
     const Mat3 worldFromCamera = toMatrix(camera.worldFromCamera.rotation);
     Vec3f* const normal = planes_.normal.data();
     std::atomic<std::size_t> away = 0;
-    const std::size_t bad = convertPixels([&](std::size_t i) {
+    const auto convert = [&](std::size_t i) {
       Vec3f& n = normal[i];
       if (!showsSurface(i)) {
         n = {};
@@ -291,14 +287,12 @@ class PassReader {
         away.fetch_add(1, std::memory_order_relaxed);
       }
       return true;
+    };
+    convertPixels(normalName_, convert, [&](std::size_t bad) {
+      const auto [x, y, z] = normal[bad];
+      return fmt::format("a normal ({:g}, {:g}, {:g}) that is no unit vector (draw it without filter and antialiasing)",
+                         x, y, z);
     });
-    if (bad < file_.pixels()) {
-      const Vec3f& n = planes_.normal[bad];
-      refusePixel(normalName_, bad,
-                  fmt::format("a normal ({:g}, {:g}, {:g}) that is no unit vector (draw it without filter and "
-                              "antialiasing)",
-                              n.x, n.y, n.z));
-    }
     if (away > 0) refuseMostAway(away);
   }
 
@@ -323,29 +317,27 @@ class PassReader {
     double largest = std::numeric_limits<Id>::max();
     if (raw.areFloats) largest = std::min(largest, kFloatIds - 1);
     Id* const ids = plane.data();
-    const std::size_t bad = convertPixels([&](std::size_t i) {
+    const auto convert = [&](std::size_t i) {
       const double value = raw.idAt(i);
       const bool valid = value >= 0 && value <= largest && value == std::floor(value);
       ids[i] = valid && showsSurface(i) ? static_cast<Id>(value) : Id{0};
       return valid;
+    };
+    convertPixels(raw.channel, convert, [&](std::size_t bad) {
+      return fmt::format("an id of {:g}: it must be a whole number from 0 to {:.0f}{}", raw.idAt(bad), largest,
+                         raw.areFloats ? " (write ids as UINT, without filter and antialiasing)" : "");
     });
-    if (bad < file_.pixels()) {
-      refusePixel(raw.channel, bad,
-                  fmt::format("an id of {:g}: it must be a whole number from 0 to {:.0f}{}", raw.idAt(bad), largest,
-                              raw.areFloats ? " (write ids as UINT, without filter and antialiasing)" : ""));
-    }
   }
 
   void checkParameter(const Parameter& parameter) {
     float* const values = (planes_.*parameter.plane).data();
-    const std::size_t bad = convertPixels([&](std::size_t i) {
+    const auto convert = [&](std::size_t i) {
       if (!showsSurface(i)) values[i] = 0;
       return values[i] >= 0 && values[i] <= parameter.largest;
+    };
+    convertPixels(findPass(file_, parameter.name)->name, convert, [&](std::size_t bad) {
+      return fmt::format("a value of {:g}: it must be 0 to {:g}", values[bad], parameter.largest);
     });
-    if (bad < file_.pixels()) {
-      refusePixel(findPass(file_, parameter.name)->name, bad,
-                  fmt::format("a value of {:g}: it must be 0 to {:g}", values[bad], parameter.largest));
-    }
   }
 
   ExrReader file_;
