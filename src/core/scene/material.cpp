@@ -36,9 +36,9 @@ void readRange(Fields& fields, float reflectanceAt905nm, Material& material) {
   if (limits.size() != 2 || limits[0] <= 0 || static_cast<float>(limits[0]) > reflectanceAt905nm ||
       static_cast<float>(limits[1]) < reflectanceAt905nm) {
     throw InputError(range->where,
-                     fmt::format("range must be two reflectances at 905 nm, above 0, the first at most {0} "
-                                 "and the second at least {0}, which is the material's reflectance",
-                                 reflectanceAt905nm));
+                     "range must be two reflectances at 905 nm, above 0, the first at most {0} "
+                     "and the second at least {0}, which is the material's reflectance",
+                     reflectanceAt905nm);
   }
   material.least = static_cast<float>(material.reflectance * limits[0] / reflectanceAt905nm);
   material.greatest = std::min(1.0f, static_cast<float>(material.reflectance * limits[1] / reflectanceAt905nm));
@@ -51,8 +51,7 @@ std::vector<Item> readSizes(const Value* list, std::string_view key, std::size_t
   std::vector<Item> items;
   if (list == nullptr) return items;
   if (list->kind != Value::Kind::Sequence || list->items.size() > mostItems) {
-    throw InputError(list->where,
-                     fmt::format("{} must be a list of at most {} maps such as {}", key, mostItems, example));
+    throw InputError(list->where, "{} must be a list of at most {} maps such as {}", key, mostItems, example);
   }
   for (const Value& value : list->items) {
     Fields fields(value, std::string(key));

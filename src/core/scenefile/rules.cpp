@@ -56,9 +56,7 @@ std::vector<std::size_t> bracesAt(std::string_view glob, std::size_t open) {
 // are ordinary characters. `depth`: number of braces around the glob.
 std::string regexOf(std::string_view glob, int depth, const Location& where) {
   constexpr int kDeepest = 8;
-  if (depth > kDeepest) {
-    throw InputError(where, "the braces of a pattern are nested more than {} deep", kDeepest);
-  }
+  if (depth > kDeepest) throw InputError(where, "the braces of a pattern are nested more than {} deep", kDeepest);
   std::string regex;
   for (std::size_t i = 0; i < glob.size();) {
     const std::vector<std::size_t> braces = glob[i] == '{' ? bracesAt(glob, i) : std::vector<std::size_t>{};
@@ -109,7 +107,7 @@ std::string readPattern(Fields& conditions, std::string_view key) {
   if (!value) return {};
   std::string pattern = readText(*value, key);
   if (pattern.empty()) {
-    throw InputError(value->where, fmt::format("the pattern of '{}' is empty; leave it out, or write \"*\"", key));
+    throw InputError(value->where, "the pattern of '{}' is empty; leave it out, or write \"*\"", key);
   }
   compiled(pattern, value->where);
   return pattern;

@@ -22,9 +22,7 @@ constexpr double kMaxColumns = 65536;
 // Reads a count as a double, so that a value such as 1e12 can be refused with a message about the number of beams.
 double readCount(const Value& value, std::string_view key) {
   const double count = readNumber(value, key);
-  if (count != std::floor(count)) {
-    throw InputError(value.where, "{} must be a whole number, not {}", key, value.text);
-  }
+  if (count != std::floor(count)) throw InputError(value.where, "{} must be a whole number, not {}", key, value.text);
   return count;
 }
 
@@ -75,9 +73,10 @@ std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) 
   if (value == nullptr) return std::vector<double>(rings, 0.0);
   const std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
   if (pattern.empty() || rings % pattern.size() != 0) {
-    throw InputError(value->where, fmt::format("azimuth_offset_deg has {} entries: give one per ring ({}), or a "
-                                               "pattern whose length divides the number of rings",
-                                               pattern.size(), rings));
+    throw InputError(value->where,
+                     "azimuth_offset_deg has {} entries: give one per ring ({}), or a "
+                     "pattern whose length divides the number of rings",
+                     pattern.size(), rings);
   }
   std::vector<double> offsets(rings);
   for (std::size_t ring = 0; ring < rings; ++ring) offsets[ring] = pattern[ring % pattern.size()];
@@ -94,8 +93,8 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   if (value->kind == Value::Kind::Sequence) {
     times = readNumbers(*value, "firing_time_us", kMicroseconds);
     if (times.size() != table.rings) {
-      throw InputError(value->where, fmt::format("firing_time_us has {} entries for {} rings: give one per ring",
-                                                 times.size(), table.rings));
+      throw InputError(value->where, "firing_time_us has {} entries for {} rings: give one per ring", times.size(),
+                       table.rings);
     }
   } else {
     Fields fields(*value, "firing_time_us");
@@ -119,9 +118,9 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   const double columnDuration = table.columnPeriod() * 1e6;  // us
   if (lastFiring >= columnDuration) {
     throw InputError(value->where,
-                     fmt::format("firing_time_us: the last ring fires {:.6g} us after the first, but a column lasts "
-                                 "{:.6g} us (1 s / {:.6g} revolutions x {:.6g} of a revolution / {} columns)",
-                                 lastFiring, columnDuration, 1 / table.period, table.field / (2 * kPi), table.columns));
+                     "firing_time_us: the last ring fires {:.6g} us after the first, but a column lasts "
+                     "{:.6g} us (1 s / {:.6g} revolutions x {:.6g} of a revolution / {} columns)",
+                     lastFiring, columnDuration, 1 / table.period, table.field / (2 * kPi), table.columns);
   }
   return times;
 }
@@ -135,8 +134,7 @@ std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint3
                                     ? readNumbers(*value, std::string(key), {-10, 10})
                                     : std::vector<double>(rings, fields.number(key, {-10, 10}));
   if (origins.size() != rings) {
-    throw InputError(value->where,
-                     fmt::format("{} has {} entries for {} rings: give one per ring", key, origins.size(), rings));
+    throw InputError(value->where, "{} has {} entries for {} rings: give one per ring", key, origins.size(), rings);
   }
   if (std::ranges::all_of(origins, [](double shift) { return shift == 0; })) origins.clear();
   return origins;
@@ -163,7 +161,7 @@ std::array<double, 2> readWidths(Fields& fields, std::string_view key, double la
   }
   const std::vector<double> widths = readNumbers(*value, std::string(key), {0, largest});
   if (widths.size() != 2) {
-    throw InputError(value->where, fmt::format("{} must be one width, or the two widths [horizontal, vertical]", key));
+    throw InputError(value->where, "{} must be one width, or the two widths [horizontal, vertical]", key);
   }
   return {widths[0] * 1e-3, widths[1] * 1e-3};
 }
@@ -178,9 +176,9 @@ void checkSameLasers(const Value& preset, const Value& sensor) {
   const auto rings = static_cast<std::size_t>(sensorSize(preset).rings);
   if (lasers == rings) return;
   throw InputError(calibration->where,
-                   fmt::format("{} is for a sensor with {} lasers, but the preset has {} rings: name the preset of "
-                               "that sensor, or give the sensor's other keys here",
-                               calibration->text, lasers, rings));
+                   "{} is for a sensor with {} lasers, but the preset has {} rings: name the preset of "
+                   "that sensor, or give the sensor's other keys here",
+                   calibration->text, lasers, rings);
 }
 
 const std::initializer_list<std::string_view> kSensorKeys = {

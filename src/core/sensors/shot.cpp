@@ -26,10 +26,9 @@ Motion readMotion(const Value* value) {
     return motion;
   }
   if (value->kind != Value::Kind::Map) {
-    throw InputError(value->where,
-                     fmt::format("motion must be none, per_column or {{steps: 360, deskew: false}}{}",
-                                 value->kind == Value::Kind::Scalar ? suggestion(value->text, {"none", "per_column"})
-                                                                    : std::string()));
+    throw InputError(
+        value->where, "motion must be none, per_column or {{steps: 360, deskew: false}}{}",
+        value->kind == Value::Kind::Scalar ? suggestion(value->text, {"none", "per_column"}) : std::string());
   }
   Fields fields(*value, "motion");
   const Value& steps = fields.require("steps");
