@@ -85,10 +85,8 @@ inline pybind11::dict arraysOf(Scan&& scan) {
 inline pybind11::array_t<double> matricesOf(const std::vector<Pose>& poses) {
   std::vector<double> values;
   for (const Pose& pose : poses) {
-    const Mat3 r = toMatrix(pose.rotation);
-    const Vec3d& t = pose.translation;
-    values.insert(values.end(),
-                  {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1});
+    const std::array<double, 16> rows = matrixRows(pose);
+    values.insert(values.end(), rows.begin(), rows.end());
   }
   return arrayOf<double>(std::move(values), {static_cast<pybind11::ssize_t>(poses.size()), 4, 4});
 }

@@ -110,12 +110,6 @@ std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view l
                   layout)};
 }
 
-std::array<double, 12> matrixRows(const Pose& pose) {
-  const Mat3 r = toMatrix(pose.rotation);
-  const Vec3d& t = pose.translation;
-  return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z};
-}
-
 std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
   std::vector<const ScanRecord*> scans;
   for (const ScanRecord& scan : sample.scans) {

@@ -85,8 +85,6 @@ std::string velodynePoints(const ExportScan& exportScan, std::span<const std::si
 // Returns a warning if a sensor moves during a revolution and the dataset is not deskewed, otherwise an empty list. The
 // layout named `layout` stores one pose and no times, so that this pose would not apply to all points.
 std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout);
-// Returns the 3 x 4 matrix of a pose, row by row.
-std::array<double, 12> matrixRows(const Pose& pose);
 // Returns the scans of an exported sensor (index in ExportPlan::sensors), one for each of its revolutions in the
 // sample. Returns none if a slow sensor has no revolution in the sample.
 std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);

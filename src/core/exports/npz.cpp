@@ -67,10 +67,9 @@ void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
   });
 }
 
-// Appends a pose as a 4 x 4 matrix, row by row.
+// Appends the 4 x 4 matrix of a pose, row by row.
 void putPose(const Pose& pose, std::string& bytes) {
   for (const double value : matrixRows(pose)) putNumber(value, bytes);
-  for (const double value : {0.0, 0.0, 0.0, 1.0}) putNumber(value, bytes);
 }
 
 // Adds the arrays of the boxes that have a view by the scan's sensor.

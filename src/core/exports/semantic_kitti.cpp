@@ -40,9 +40,10 @@ constexpr std::size_t kMostSequences = 100;       // largest number of sequences
 // Rotation from the sensor's axes to the camera's: x right, y down, z forward.
 const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
 
-// Returns the 3 x 4 matrix of a pose as text, row by row.
+// Returns the first three rows of the 4 x 4 matrix of a pose as text.
 std::string matrixText(const Pose& pose) {
-  return fmt::format("{:.9e}", fmt::join(matrixRows(pose), " "));
+  const std::array<double, 16> rows = matrixRows(pose);
+  return fmt::format("{:.9e}", fmt::join(rows.begin(), rows.begin() + 12, " "));
 }
 
 // Returns the numbers of SemanticKITTI's sequences in a split, which are built into training programs; none for other

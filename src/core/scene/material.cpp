@@ -65,7 +65,9 @@ std::vector<Item> readSizes(const Value* list, std::string_view key, std::size_t
 }  // namespace
 
 const Material& MaterialLibrary::require(std::string_view name, const Location& where) const {
-  return requireNamed(materials, "material", name, where);
+  const auto found = std::ranges::find(materials, name, &Material::name);
+  if (found != materials.end()) return *found;
+  throw InputError(where, "there is no material '{}'{}", name, suggestion(name, namesOf(materials)));
 }
 
 MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm) {

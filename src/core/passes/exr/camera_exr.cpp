@@ -18,13 +18,6 @@ constexpr const char* kQuaternionW = "worldFromCameraW";
 constexpr const char* kHorizontalField = "horizontalFieldDeg";
 constexpr const char* kVerticalField = "verticalFieldDeg";
 
-// Returns the 4 x 4 matrix of a pose, for column vectors.
-ExrMatrix4 rowByRow(const Pose& pose) {
-  const Mat3 r = toMatrix(pose.rotation);
-  const Vec3d& t = pose.translation;
-  return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1};
-}
-
 // Returns the sum of the absolute differences between the entries of two matrices; NaN if an entry is NaN.
 double difference(const Mat3& a, const Mat3& b) {
   double sum = 0;
@@ -146,7 +139,7 @@ ExrAttributes cameraAttributes(const Camera& camera) {
   return {{"camera", camera.name},
           {"units", "m"},
           {kMatrix, ExrMatrix3{camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}},
-          {kPose, rowByRow(camera.worldFromCamera)},
+          {kPose, matrixRows(camera.worldFromCamera)},
           {kQuaternionXyz, Vec3d{q.x, q.y, q.z}},
           {kQuaternionW, q.w},
           {kHorizontalField, degrees(camera.horizontalField())},

@@ -47,7 +47,10 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
 
 std::size_t readReference(const Value& value, const std::vector<NoiseLevel>& levels) {
   const std::string name = readText(value, "repeatability.reference");
-  return static_cast<std::size_t>(&requireNamed(levels, "noise level", name, value.where) - levels.data());
+  const auto level = std::ranges::find(levels, name, &NoiseLevel::name);
+  if (level != levels.end()) return static_cast<std::size_t>(level - levels.begin());
+  throw InputError(value.where, "repeatability.reference: unknown noise level '{}'{}", name,
+                   suggestion(name, namesOf(levels)));
 }
 
 IcpOptions readIcp(const Value& value) {
