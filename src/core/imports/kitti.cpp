@@ -17,15 +17,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool isRecords(const fs::path& file) {
-  return numbersOfRecord(file) == 4;
-}
-
 // Adds the scans of one sequence, whose folder contains velodyne/ or velodyne_points/data/. Their keys begin with the
 // sequence's name unless it is empty.
 void addSequence(const fs::path& sequence, const std::string& name, std::vector<FolderScan>& scans) {
   for (const fs::path& folder : {sequence / "velodyne", sequence / "velodyne_points" / "data"}) {
-    for (const fs::path& file : filesIn(folder, isRecords)) {
+    for (const fs::path& file : filesIn(folder, [](const fs::path& f) { return numbersOfRecord(f) == 4; })) {
       scans.push_back({.key = (name.empty() ? "" : name + "-") + file.stem().string(), .points = file});
     }
   }

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/text_scan.h"
 #include "config/fields.h"
 #include "config/resources.h"
 
@@ -27,12 +28,6 @@ bool hasWord(const Concept& entry, const std::string& foldedWord) {
   return std::ranges::find(entry.words, foldedWord) != entry.words.end();
 }
 
-// True if a word followed by `ending` is the word's plural, or the word itself (empty ending).
-bool isPlural(std::string_view ending) {
-  static constexpr std::array<std::string_view, 6> kEndings{"", "s", "es", "e", "n", "en"};
-  return std::ranges::find(kEndings, ending) != kEndings.end();
-}
-
 // The match of a concept's word in a name: where the word of the name ends, and the length of the concept's word.
 // Matches are compared in this order.
 using Match = std::pair<std::size_t, std::size_t>;
@@ -44,7 +39,8 @@ std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
   for (std::size_t begin = name.find(word); begin != std::string_view::npos; begin = name.find(word, begin + 1)) {
     const std::size_t wordEnd = std::min(name.find(' ', begin + word.size()), name.size());
     const bool beginsWord = begin == 0 || name[begin - 1] == ' ';
-    const bool isWord = beginsWord && isPlural(name.substr(begin + word.size(), wordEnd - begin - word.size()));
+    const std::string_view ending = name.substr(begin + word.size(), wordEnd - begin - word.size());
+    const bool isWord = beginsWord && (ending.empty() || containsWord("s es e n en", ending));  // or its plural
     if (isWord || word.size() >= kFewestLettersInside) match = {wordEnd, word.size()};
   }
   return match;

@@ -53,10 +53,6 @@ bool isArea(const osmium::OSMObject& object) {
          tags.has_tag("waterway", "riverbank") || tags.has_tag("waterway", "dock");
 }
 
-bool isMultipolygon(const osmium::Relation& relation) {
-  return relation.tags().has_tag("type", "multipolygon") || relation.tags().has_tag("type", "boundary");
-}
-
 // True if a tag is about the size of a building or about its roof.
 bool isSizeOrRoof(const osmium::Tag& tag) {
   const std::string_view key = tag.key();
@@ -99,15 +95,16 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
   // Called by libosmium for each relation of the file. Returns true for areas, whose ways libosmium then collects.
   bool new_relation(const osmium::Relation& relation) {
     if (!relation.visible()) return false;
-    const bool multipolygon = isMultipolygon(relation);
-    const bool building = relation.tags().has_tag("type", "building");
+    const std::string_view type = relation.tags().get_value_by_key("type", "");
+    const bool multipolygon = type == "multipolygon" || type == "boundary";
+    const bool building = type == "building";
     for (const osmium::RelationMember& member : relation.members()) {
       if (building && !multipolygon) groups_[{member.type(), member.ref()}] = relation.id();
       if (!multipolygon || member.type() != osmium::item_type::way) continue;
       members_.insert(member.ref());
       if (relation.tags().has_key("building") && !isInner(member)) outlines_.insert(member.ref());
     }
-    const bool untagged = relation.tags().has_tag("type", "multipolygon") && !isArea(relation);
+    const bool untagged = type == "multipolygon" && !isArea(relation);
     if (untagged) ++extract_.leftOut["multipolygons without a tag of an area, whose holes are not built"];
     return multipolygon && isArea(relation);
   }

@@ -55,13 +55,12 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
 // Returns environment variables that keep Blender from loading start-up scripts or add-ons of the user, and make it
 // write its own files only into `folder`.
 std::map<std::string, std::string> environmentIn(const std::string& folder) {
-  return {{"BLENDER_USER_RESOURCES", folder},
-          {"BLENDER_USER_CONFIG", folder},
-          {"BLENDER_USER_SCRIPTS", folder},
-          {"BLENDER_USER_DATAFILES", folder},
-          {"TMPDIR", folder},
-          {"TMP", folder},
-          {"TEMP", folder}};
+  std::map<std::string, std::string> environment;
+  for (const char* name : {"BLENDER_USER_RESOURCES", "BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS",
+                           "BLENDER_USER_DATAFILES", "TMPDIR", "TMP", "TEMP"}) {
+    environment[name] = folder;
+  }
+  return environment;
 }
 
 }  // namespace

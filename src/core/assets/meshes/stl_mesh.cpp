@@ -18,6 +18,7 @@
 #include "base/file.h"
 #include "base/text_scan.h"
 #include "config/text.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 
@@ -51,9 +52,7 @@ class StlReader {
 
   // Returns the number of triangles in the header of a binary file.
   std::uint64_t statedTriangles() const {
-    std::uint32_t count = 0;
-    if (text_.size() >= kHeaderBytes) std::memcpy(&count, text_.data() + kTextBytes, sizeof count);
-    return count;
+    return text_.size() < kHeaderBytes ? 0 : numberAt<std::uint32_t>(text_, kTextBytes);
   }
 
   // True if the file is a text. Its first word does not suffice: many binary files begin with "solid", too.

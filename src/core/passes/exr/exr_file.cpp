@@ -28,6 +28,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 
@@ -91,14 +92,7 @@ class HeaderCheck {
     return bytes;
   }
 
-  std::uint32_t readInteger() {  // little-endian
-    std::uint32_t value = 0;
-    for (std::uint32_t shift = 0; const char byte : take(4)) {
-      value |= std::uint32_t{static_cast<std::uint8_t>(byte)} << shift;
-      shift += 8;
-    }
-    return value;
-  }
+  std::uint32_t readInteger() { return numberAt<std::uint32_t>(take(4), 0); }
 
   std::string_view readText() {
     constexpr std::size_t kLongestName = 255;  // bytes, in files with long names

@@ -44,12 +44,6 @@ struct MeshPieces {
   ViewBatch cut;
 };
 
-// Returns the largest factor by which an instance stretches an axis of its mesh.
-double largestStretch(const Instance& instance) {
-  const Mat3& m = instance.worldFromMesh.linear;
-  return std::max({length(m.x), length(m.y), length(m.z)});
-}
-
 // Returns, for one axis, the origin that is subtracted from a mesh's positions: 0, or the middle of a mesh that is far
 // from 0, where float32 steps are coarse. The subtraction is exact, because position and origin are then within a
 // factor of two of each other (Sterbenz).
@@ -219,7 +213,8 @@ ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBat
   std::vector<double> largestScale(scene.meshes.size(), 0.0);
   for (const Instance& instance : scene.instances) {
     double& scale = largestScale[instance.mesh];
-    scale = std::max(scale, largestStretch(instance));
+    const Mat3& axes = instance.worldFromMesh.linear;
+    scale = std::max({scale, length(axes.x), length(axes.y), length(axes.z)});
   }
   std::vector<MeshPieces> meshes(scene.meshes.size());
   parallelFor(meshes.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -103,11 +103,6 @@ class Reader {
     return weights;
   }
 
-  // True if the node's mesh is neither skinned nor morphed.
-  bool isRigid(const PlacedNode& placed) const {
-    return !model_.nodes[placed.node].skin && targetWeights(placed).empty();
-  }
-
   // Moves `points`, the vertices of a primitive of the node's mesh, by the weights of its morph targets. `what` is the
   // mesh's name in messages, here and below.
   void applyTargets(const PlacedNode& placed, const Primitive& primitive, const std::string& what,
@@ -259,7 +254,8 @@ class Reader {
   // once.
   std::shared_ptr<const Geometry> sharedGeometry(const Primitive& primitive, const PlacedNode& placed,
                                                  const std::optional<TextureUse>& texture) {
-    const bool isShared = isRigid(placed) && uses_[*model_.nodes[placed.node].mesh] > 1;
+    const Node& node = model_.nodes[placed.node];
+    const bool isShared = !node.skin && targetWeights(placed).empty() && uses_[*node.mesh] > 1;
     if (!isShared) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
     std::shared_ptr<const Geometry>& shared = sharedGeometry_[&primitive];
     if (shared == nullptr) shared = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
