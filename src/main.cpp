@@ -71,7 +71,7 @@ int reportNoMemory(const std::string& command) {
       "error: scanmill {}: the memory ran out, of which {} are allowed: give fewer --threads or a lower "
       "--memory-limit; take fewer rings, columns or formats, a smaller scene, larger voxels (particle) or smaller "
       "images (depth_camera); or allow more (ulimit -v, the limit of the container)\n",
-      command, shortBytes(static_cast<double>(memoryLimitBytes())));
+      command, shortBytes(memoryLimitBytes()));
   return 1;
 }
 

@@ -33,8 +33,8 @@ std::string shardsText(std::uint64_t shards, const GenerateSummary& s, const std
   const std::string resumed =
       s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them existed already)", s.resumedShards);
   const std::string warnings = warningCount() == 0 ? std::string() : "; " + pluralOf(warningCount(), "warning");
-  return fmt::format("{}{}, {}, in {}{}", pluralOf(shards, "shard"), resumed, shortBytes(static_cast<double>(s.bytes)),
-                     folder.string(), warnings);
+  return fmt::format("{}{}, {}, in {}{}", pluralOf(shards, "shard"), resumed, shortBytes(s.bytes), folder.string(),
+                     warnings);
 }
 
 // Prints one line: what the dataset consists of or, if it is not complete yet, which command completes it.
@@ -69,7 +69,7 @@ void printCosts(const GenerateSummary& s, const std::optional<Forecast>& predict
             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
   if (predicted) {
     printText("forecast: {}; {}; actual: {} and {}\n", timeText(*predicted), sizeText(*predicted), shortTime(s.seconds),
-              shortBytes(static_cast<double>(s.bytes)));
+              shortBytes(s.bytes));
   }
   printText("processor time {:.2f} s, by stage{}:", s.processorSeconds,
             s.stages.contains("render") ? " (upload, render and read_back: s of the clock)" : "");

@@ -41,7 +41,7 @@ void printDataset(const std::filesystem::path& folder) {
             oneLine(m.programVersion), m.seed);
   Rows shards{{"shard", "split", "samples", "size"}};
   for (const ShardRecord& s : m.shards) {
-    shards.push_back({s.file, s.split, grouped(s.samples), shortBytes(static_cast<double>(s.bytes))});
+    shards.push_back({s.file, s.split, grouped(s.samples), shortBytes(s.bytes)});
   }
   printText("{}\n", formatTable(shards));
   ScanTotals totals = totalsOf(m);
@@ -142,7 +142,7 @@ void printRecording(const std::filesystem::path& folder) {
   printText("recording of {}{}: {} images, {}\n\n", nameOf(r.kind),
             r.programVersion.empty() ? std::string(", not made by scanmill")
                                      : fmt::format(", made by {}, scanmill {}", r.method, r.programVersion),
-            grouped(images), shortBytes(static_cast<double>(bytes)));
+            grouped(images), shortBytes(bytes));
   Rows sensors{{"sensor", "rings", "columns"}};
   for (const RecordedSensor& s : r.sensors) {
     sensors.push_back({s.name, std::to_string(s.rings), std::to_string(s.columns)});

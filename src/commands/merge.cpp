@@ -15,8 +15,8 @@ int runMerge(const std::vector<std::string>& arguments) {
   std::uint64_t bytes = 0;
   for (const ShardRecord& shard : manifest.shards) bytes += shard.bytes;
   printText("{0} in {1}, {2}, in {3}\nnext: scanmill view {3}; scanmill verify {3}\n",
-            pluralOf(manifest.samples.size(), "sample"), pluralOf(manifest.shards.size(), "shard"),
-            shortBytes(static_cast<double>(bytes)), folder);
+            pluralOf(manifest.samples.size(), "sample"), pluralOf(manifest.shards.size(), "shard"), shortBytes(bytes),
+            folder);
   return 0;
 }
 

@@ -299,7 +299,7 @@ void printRaysAndMemory(const Plan& plan, std::uint64_t sceneBytes) {
             shortNumber(pipeline.maxRays));
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
   printText("memory: {} for frames in flight", shortBytes(inFlight));
-  if (sceneBytes > 0) printText(" and about {} for the scene", shortBytes(static_cast<double>(sceneBytes)));
+  if (sceneBytes > 0) printText(" and about {} for the scene", shortBytes(sceneBytes));
   printText("\n");
 }
 

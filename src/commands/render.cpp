@@ -76,7 +76,7 @@ int runRender(const std::vector<std::string>& arguments) {
   const RenderSummary summary = scanmill::render(plan, render);
   for (const std::string& line : summary.warnings) warn(line);
   printText("{} images of {} shots, {}, in {}\n", grouped(summary.images), grouped(summary.shots),
-            shortBytes(static_cast<double>(summary.bytes)), render.folder.string());
+            shortBytes(summary.bytes), render.folder.string());
   if (render.quiet) return 0;
   printText("stages (s):");
   for (const auto& [name, seconds] : summary.stages) printText(" {} {:.2f}", name, seconds);

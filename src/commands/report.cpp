@@ -65,7 +65,7 @@ int runReport(const std::vector<std::string>& arguments) {
       }
     }
   }
-  printText("{}: {}; open it in a browser\n", file.string(), shortBytes(static_cast<double>(page.size())));
+  printText("{}: {}; open it in a browser\n", file.string(), shortBytes(page.size()));
   return 0;
 }
 

@@ -37,9 +37,9 @@ void printSettings(const Study& study) {
     const GroupErrors* const awayErrors = awayFromEdges(s.measured.errors);  // null: no beam is away from edges
     const auto beams = static_cast<double>(e.beams);
     rows.push_back({s.setting.name, secondsText(cost.setupSeconds), secondsText(cost.scanSeconds),
-                    shortNumber(cost.beamsPerSecond(study.beamsPerShot)),
-                    shortBytes(static_cast<double>(cost.memoryBytes)), metresText(e.range.median),
-                    metresText(e.range.p99), awayErrors == nullptr ? "" : metresText(awayErrors->range.p99),
+                    shortNumber(cost.beamsPerSecond(study.beamsPerShot)), shortBytes(cost.memoryBytes),
+                    metresText(e.range.median), metresText(e.range.p99),
+                    awayErrors == nullptr ? "" : metresText(awayErrors->range.p99),
                     fmt::format("{:.3f} %", 100 * e.labels()),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falseNegatives) / beams),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falsePositives) / beams),

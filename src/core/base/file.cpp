@@ -71,7 +71,7 @@ std::string readFile(const std::filesystem::path& path) {
       throw InputError({path.string()},
                        "has {}, but only {} of memory are allowed (by --memory-limit, the machine or its "
                        "container)",
-                       shortBytes(static_cast<double>(size)), shortBytes(static_cast<double>(memoryLimitBytes())));
+                       shortBytes(size), shortBytes(memoryLimitBytes()));
     }
     bytes.reserve(size);
   }

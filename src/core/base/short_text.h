@@ -2,6 +2,7 @@
 
 // Formats numbers, sizes, times and positions as short text for people.
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -33,6 +34,9 @@ std::string pluralOf(std::uint64_t count, std::string_view noun);
 
 // Returns a size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
 std::string shortBytes(double bytes);
+std::string shortBytes(std::integral auto bytes) {
+  return shortBytes(static_cast<double>(bytes));
+}
 
 // Returns a duration: "1 h 2 min", "4 min 5 s", "6.0 s".
 std::string shortTime(double seconds);

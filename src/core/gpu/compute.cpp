@@ -167,9 +167,8 @@ void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uin
                 const std::string& contents, const std::string& remedy) {
   const std::uint64_t tableBytes = device.limits().tableTexels * texelBytes(texel);
   if (bytes / texelBytes(texel) <= device.limits().tableTexels) return;
-  device.fail(fmt::format("the {} take {}, of which a table on {} holds {}{}", contents,
-                          shortBytes(static_cast<double>(bytes)), device.name(),
-                          shortBytes(static_cast<double>(tableBytes)), remedy));
+  device.fail(fmt::format("the {} take {}, of which a table on {} holds {}{}", contents, shortBytes(bytes),
+                          device.name(), shortBytes(tableBytes), remedy));
 }
 
 void uploadTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,

@@ -234,7 +234,7 @@ std::uint64_t Placement::mostCopies() {
 
 std::string Placement::mostCopiesText() {
   return fmt::format("at most {} are possible with {} of memory (--memory-limit, the machine or its container)",
-                     grouped(mostCopies()), shortBytes(static_cast<double>(memoryLimitBytes())));
+                     grouped(mostCopies()), shortBytes(memoryLimitBytes()));
 }
 
 std::uint64_t Placement::count() const {

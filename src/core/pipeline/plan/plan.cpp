@@ -145,13 +145,12 @@ void checkFrameMemory(const Plan& plan) {
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();
   if (bytes + kProgramBytes <= memoryLimitBytes()) return;
-  refuse(pipeline, fmt::format("{} {} per frame x {} bytes and {} of the program are {}, but only {} of memory are "
-                               "allowed (by --memory-limit, the machine or its container): allow more, or take fewer "
-                               "sensors, rings, columns or rays per beam",
-                               rays, rays == pipeline.beamsPerFrame() ? "beams" : "rays", bytes / rays,
-                               shortBytes(static_cast<double>(kProgramBytes)),
-                               shortBytes(static_cast<double>(bytes + kProgramBytes)),
-                               shortBytes(static_cast<double>(memoryLimitBytes()))));
+  refuse(pipeline,
+         fmt::format("{} {} per frame x {} bytes and {} of the program are {}, but only {} of memory are "
+                     "allowed (by --memory-limit, the machine or its container): allow more, or take fewer "
+                     "sensors, rings, columns or rays per beam",
+                     rays, rays == pipeline.beamsPerFrame() ? "beams" : "rays", bytes / rays, shortBytes(kProgramBytes),
+                     shortBytes(bytes + kProgramBytes), shortBytes(memoryLimitBytes())));
 }
 
 // Returns the beams and the footprint of a sensor. Throws InputError if the recording, the motion or the effects do not
@@ -273,8 +272,7 @@ void Plan::checkMemory(std::uint64_t bytes, const std::string& scene) const {
   refuse(pipeline, fmt::format("{} takes about {} with this method, {} with the frames in flight and the program, but "
                                "only {} of memory are allowed (by --memory-limit, the machine or its container): allow "
                                "more, or take a smaller scene, a coarser method, or fewer rings or columns",
-                               scene, shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(needed)),
-                               shortBytes(static_cast<double>(memoryLimitBytes()))));
+                               scene, shortBytes(bytes), shortBytes(needed), shortBytes(memoryLimitBytes())));
 }
 
 ColumnSet Plan::columns() const {
