@@ -85,7 +85,7 @@ inline pybind11::dict arraysOf(Scan&& scan) {
 inline pybind11::array_t<double> matricesOf(const std::vector<Pose>& poses) {
   std::vector<double> values;
   for (const Pose& pose : poses) {
-    const std::array<double, 16> rows = matrixRows(pose);
+    const std::array<double, 16> rows = matrixRows(toAffine(pose));
     values.insert(values.end(), rows.begin(), rows.end());
   }
   return arrayOf<double>(std::move(values), {static_cast<pybind11::ssize_t>(poses.size()), 4, 4});

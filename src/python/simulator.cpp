@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -270,12 +271,8 @@ Affine affineOf(const double* m) {
 }
 
 py::array_t<double> matrixOf(const Affine& a) {
-  std::vector<double> values;
-  for (const auto row : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-    for (const Vec3d* column : {&a.linear.x, &a.linear.y, &a.linear.z, &a.translation}) values.push_back(column->*row);
-  }
-  values.insert(values.end(), {0, 0, 0, 1});
-  return arrayOf<double>(std::move(values), {4, 4});
+  const std::array<double, 16> rows = matrixRows(a);
+  return arrayOf<double>(std::vector<double>(rows.begin(), rows.end()), {4, 4});
 }
 
 // Surfaces are tuples (class, material, reflectance or None, number of the thing or -1).

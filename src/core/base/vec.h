@@ -217,15 +217,15 @@ inline Pose interpolate(const Pose& a, const Pose& b, double t) {
   return {slerp(a.rotation, b.rotation, t), a.translation + (b.translation - a.translation) * t};
 }
 
-// Returns the 4 x 4 matrix of a pose, for column vectors, row by row.
-constexpr std::array<double, 16> matrixRows(const Pose& p) {
-  const Mat3 r = toMatrix(p.rotation);
-  const Vec3d& t = p.translation;
-  return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1};
-}
-
 constexpr Affine toAffine(const Pose& p) {
   return {toMatrix(p.rotation), p.translation};
+}
+
+// Returns the 4 x 4 matrix of a transform, for column vectors, row by row.
+constexpr std::array<double, 16> matrixRows(const Affine& a) {
+  const auto& [x, y, z] = a.linear;
+  const Vec3d& t = a.translation;
+  return {x.x, y.x, z.x, t.x, x.y, y.y, z.y, t.y, x.z, y.z, z.z, t.z, 0, 0, 0, 1};
 }
 
 // An axis-aligned box (m). A new box is empty; add() extends it.

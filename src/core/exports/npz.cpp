@@ -69,7 +69,7 @@ void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
 
 // Appends the 4 x 4 matrix of a pose, row by row.
 void putPose(const Pose& pose, std::string& bytes) {
-  for (const double value : matrixRows(pose)) putNumber(value, bytes);
+  for (const double value : matrixRows(toAffine(pose))) putNumber(value, bytes);
 }
 
 // Adds the arrays of the boxes that have a view by the scan's sensor.

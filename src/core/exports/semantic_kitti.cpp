@@ -42,7 +42,7 @@ const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
 
 // Returns the first three rows of the 4 x 4 matrix of a pose as text.
 std::string matrixText(const Pose& pose) {
-  const std::array<double, 16> rows = matrixRows(pose);
+  const std::array<double, 16> rows = matrixRows(toAffine(pose));
   return fmt::format("{:.9e}", fmt::join(rows.begin(), rows.begin() + 12, " "));
 }
 

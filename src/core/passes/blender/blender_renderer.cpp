@@ -162,8 +162,8 @@ class BlenderRenderer : public PassRenderer {
 
   // Returns the line of JSON that makes scripts/blender_passes.py render a camera's image into `file`.
   std::string requestText(const Camera& camera, const DrawLimits& limits, const std::filesystem::path& file) const {
-    const Mat3 r = toMatrix(camera.worldFromCamera.rotation);
-    const Vec3d t = camera.worldFromCamera.translation - *origin_;
+    const auto& [rotation, translation] = camera.worldFromCamera;
+    const std::array<double, 16> rows = matrixRows({toMatrix(rotation), translation - *origin_});
     return nlohmann::json{{"file", file.string()},
                           {"width", std::max(camera.width, kMinSide)},
                           {"height", std::max(camera.height, kMinSide)},
@@ -173,7 +173,7 @@ class BlenderRenderer : public PassRenderer {
                           {"cy", camera.cy},
                           {"near", limits.nearest},
                           {"far", limits.farthest},
-                          {"pose", {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z}}}
+                          {"pose", std::vector<double>(rows.begin(), rows.begin() + 12)}}
         .dump();
   }
 

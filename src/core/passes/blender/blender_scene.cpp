@@ -129,9 +129,8 @@ class SceneWriter {
   void addObject(std::uint32_t instance, std::uint32_t meshNumber, std::size_t firstTriangle, const Affine& a) {
     objects_.push_back({instance + 1, static_cast<std::uint32_t>(firstTriangle)});
     meshNumbers_.push_back(meshNumber);
-    matrices_.insert(matrices_.end(), {a.linear.x.x, a.linear.y.x, a.linear.z.x, a.translation.x,  //
-                                       a.linear.x.y, a.linear.y.y, a.linear.z.y, a.translation.y,  //
-                                       a.linear.x.z, a.linear.y.z, a.linear.z.z, a.translation.z});
+    const std::array<double, 16> rows = matrixRows(a);
+    matrices_.insert(matrices_.end(), rows.begin(), rows.begin() + 12);
   }
 
   // Returns originFromMesh of an instance.

@@ -139,7 +139,7 @@ ExrAttributes cameraAttributes(const Camera& camera) {
   return {{"camera", camera.name},
           {"units", "m"},
           {kMatrix, ExrMatrix3{camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}},
-          {kPose, matrixRows(camera.worldFromCamera)},
+          {kPose, matrixRows(toAffine(camera.worldFromCamera))},
           {kQuaternionXyz, Vec3d{q.x, q.y, q.z}},
           {kQuaternionW, q.w},
           {kHorizontalField, degrees(camera.horizontalField())},
