@@ -126,7 +126,7 @@ std::string frameText(const Manifest& manifest) {
 
 // Returns a sentence on the full scale of the column intensity; empty if the scans do not have the column.
 std::string intensityText(const Manifest& manifest) {
-  if (std::ranges::find(manifest.columns, "intensity") == manifest.columns.end()) return {};
+  if (!manifest.hasColumn("intensity")) return {};
   const auto scaleOf = [](const SensorRecord& sensor) {
     return fmt::format("{:g} ({})", sensor.intensityFullScale, cell(sensor.name));
   };

@@ -5,6 +5,7 @@
 //   const Manifest manifest = readManifest("out/quickstart");
 //   for (const SampleRecord& sample : manifest.samples) std::puts(sample.key.c_str());
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -151,6 +152,8 @@ struct Manifest {
   std::vector<ShardRecord> shards;
   std::vector<SampleRecord> samples;
 
+  // Returns true if the scans have the column.
+  bool hasColumn(std::string_view column) const { return std::ranges::find(columns, column) != columns.end(); }
   // Returns the record of a sample's sequence; null if there is none.
   const SequenceRecord* sequenceOf(const std::string& key) const;
 };

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace scanmill {
@@ -57,6 +58,9 @@ MemberName partsOfMember(const std::string& member);
 struct KeyParts {
   std::string sequence;
   std::string frame;
+
+  // Returns a value by which frames of a sequence are sorted: digits as numbers, so that "10" comes after "9".
+  std::pair<std::size_t, std::string> order() const { return {frame.size(), frame}; }
 };
 KeyParts partsOfKey(const std::string& key);
 

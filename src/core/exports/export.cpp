@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "base/error.h"
@@ -189,10 +188,8 @@ class Export {
       plan_.sequences[entry->second].samples.push_back(i);
     }
     for (ExportSequence& sequence : plan_.sequences) {
-      std::ranges::stable_sort(sequence.samples, {}, [&](std::size_t sample) {
-        const std::string frame = partsOfKey(samples[sample].key).frame;
-        return std::tuple(frame.size(), frame);  // compares digits like numbers
-      });
+      std::ranges::stable_sort(sequence.samples, {},
+                               [&](std::size_t sample) { return partsOfKey(samples[sample].key).order(); });
     }
   }
 

@@ -57,11 +57,6 @@ bool listsObjects(const ExportPlan& plan) {
       plan.sequences, [&](const ExportSequence& sequence) { return std::ranges::all_of(sequence.samples, listed); });
 }
 
-bool hasColumn(const ExportPlan& plan, std::string_view column) {
-  const std::vector<std::string>& columns = plan.manifest.columns;
-  return std::ranges::find(columns, column) != columns.end();
-}
-
 std::vector<std::size_t> velodyneOrder(const ExportScan& exportScan) {
   const Scan& scan = exportScan.scan;
   struct OrderedPoint {

@@ -73,8 +73,6 @@ template <class... Values>
 
 // Returns true if the dataset lists the objects of every exported sample.
 bool listsObjects(const ExportPlan& plan);
-// Returns true if the dataset's scans have the column `column`.
-bool hasColumn(const ExportPlan& plan, std::string_view column);
 // Returns the indices of the scan's points, without misses, in the order of KITTI's files: rings from top to bottom,
 // each ring counter-clockwise, starting straight ahead. Some loaders derive the rings from this order. If the scan has
 // no ring numbers, the points keep their order.

@@ -143,7 +143,7 @@ class NuScenes : public ExportLayout {
     const InstanceNumbers::Numbers numbers = numbers_.numbersOf(sequence);
     for (const ExportScan& scan : sample.scans) {
       folder.write(pointsFile(plan, sequence, *sample.record, scan.sensorNumber, *scan.record), pointsOf(scan));
-      if (scan.record->revolution == 0 && hasColumn(plan, "label"))
+      if (scan.record->revolution == 0 && plan.manifest.hasColumn("label"))
         writeLabels(plan, *sample.record, scan, numbers, folder);
     }
   }
@@ -186,7 +186,9 @@ class NuScenes : public ExportLayout {
   }
 
  private:
-  static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
+  static bool isPanoptic(const ExportPlan& plan) {
+    return plan.manifest.hasColumn("label") && plan.manifest.hasColumn("instance");
+  }
 
   // Writes the class and, if the dataset has instances, the panoptic label of each point. `numbers`: the new numbers of
   // the instances.

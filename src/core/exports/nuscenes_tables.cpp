@@ -130,8 +130,8 @@ class Tables {
                              "sample", "sample_annotation", "sample_data", "scene", "sensor", "visibility"}) {
       rows_.open(name);  // the file must exist even without rows
     }
-    if (hasColumn(plan_, "label")) rows_.open("lidarseg");
-    if (hasColumn(plan_, "label") && hasColumn(plan_, "instance")) rows_.open("panoptic");
+    if (plan_.manifest.hasColumn("label")) rows_.open("lidarseg");
+    if (plan_.manifest.hasColumn("label") && plan_.manifest.hasColumn("instance")) rows_.open("panoptic");
     for (const auto& [name, description] : kAttributes) {
       add("attribute", {{"token", token("attribute", name)}, {"name", name}, {"description", description}});
     }

@@ -103,7 +103,7 @@ class SemanticKitti : public ExportLayout {
     }
   }
 
-  bool checksSamples(const ExportPlan& plan) const override { return hasColumn(plan, "instance"); }
+  bool checksSamples(const ExportPlan& plan) const override { return plan.manifest.hasColumn("instance"); }
 
   void checkSample(const ExportPlan& plan, const ExportSample& sample) const override { numbers_.add(plan, sample); }
 
@@ -116,7 +116,8 @@ class SemanticKitti : public ExportLayout {
     const std::string name = fmt::format("{:06}", frame);
     const std::filesystem::path path = sequenceFolder(numbersOf(plan)[sequence]);
     folder.write(path / "velodyne" / (name + ".bin"), velodynePoints(sample.scans.front(), order));
-    if (hasColumn(plan, "label")) folder.write(path / "labels" / (name + ".label"), labels(plan, sample, order));
+    if (plan.manifest.hasColumn("label"))
+      folder.write(path / "labels" / (name + ".label"), labels(plan, sample, order));
     if (!sample.voxels) return;
     const ScanVoxels& voxels = *sample.voxels;
     std::string voxelLabels;
@@ -155,7 +156,7 @@ class SemanticKitti : public ExportLayout {
                       "up to {}; they do not join the dataset's",
                       renumbered, plan.sequences.size(), kMostInstanceId));
     }
-    if (!hasColumn(plan, "label") || listsObjects(plan)) return warnings;
+    if (!plan.manifest.hasColumn("label") || listsObjects(plan)) return warnings;
     warnings.emplace_back(
         "the dataset lists no objects, so that moving objects get the classes of static ones: generate it with "
         "`output: {objects: true}` for the moving classes");

@@ -49,11 +49,8 @@ class SummaryMaker {
 
   // Adds the figures that the manifest has for all scans.
   void addManifest() {
-    const auto hasColumn = [&](const char* column) {
-      return std::ranges::find(manifest_.columns, column) != manifest_.columns.end();
-    };
-    sum_.labelled = hasColumn("label");
-    sum_.instanced = hasColumn("instance");
+    sum_.labelled = manifest_.hasColumn("label");
+    sum_.instanced = manifest_.hasColumn("instance");
     sum_.samples = manifest_.samples.size();
     std::map<std::string, std::pair<double, double>> timesOf;  // first and last time of each sequence (s)
     std::map<std::string, std::set<std::string>> splitsOf;

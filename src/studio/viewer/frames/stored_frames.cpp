@@ -101,11 +101,7 @@ StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
   if (mainStore().manifest() == nullptr) return;
   for (const SampleRecord& s : mainStore().manifest()->samples) sequences_[partsOfKey(s.key).sequence].push_back(&s);
   for (auto& [name, samples] : sequences_) {
-    std::ranges::stable_sort(samples, [](const SampleRecord* a, const SampleRecord* b) {
-      const std::string frameA = partsOfKey(a->key).frame;
-      const std::string frameB = partsOfKey(b->key).frame;
-      return std::tuple(frameA.size(), frameA) < std::tuple(frameB.size(), frameB);
-    });
+    std::ranges::stable_sort(samples, {}, [](const SampleRecord* sample) { return partsOfKey(sample->key).order(); });
   }
 }
 
