@@ -82,9 +82,8 @@ class DeviceBeams {
   // Appends 12 numbers per pose: for x, y and z, the row of the rotation and the component of the position.
   static void appendPoses(const ShotFrame& frame, std::vector<double>& rows) {
     for (std::size_t step = 0; step < frame.rotation.size(); ++step) {
-      const Mat3& r = frame.rotation[step];
-      const Vec3d& p = frame.position[step];
-      rows.insert(rows.end(), {r.x.x, r.y.x, r.z.x, p.x, r.x.y, r.y.y, r.z.y, p.y, r.x.z, r.y.z, r.z.z, p.z});
+      const std::array<double, 16> matrix = matrixRows({frame.rotation[step], frame.position[step]});
+      rows.insert(rows.end(), matrix.begin(), matrix.begin() + 12);
     }
   }
 

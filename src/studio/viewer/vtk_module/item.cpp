@@ -122,10 +122,7 @@ void Item::show(std::optional<std::vector<std::uint32_t>> indices) {
 
 void Item::setLook(const ItemLook& look) {
   look_ = look;
-  const Mat3& m = look.canvasFromItem.linear;
-  const Vec3d& t = look.canvasFromItem.translation;
-  const double matrix[16] = {m.x.x, m.y.x, m.z.x, t.x, m.x.y, m.y.y, m.z.y, t.y, m.x.z, m.y.z, m.z.z, t.z, 0, 0, 0, 1};
-  canvasFromItem_->DeepCopy(matrix);  // row by row
+  canvasFromItem_->DeepCopy(matrixRows(look.canvasFromItem).data());
   const bool lit = look.lit && kind_ == ItemKind::Triangles;
   const auto opacity = static_cast<float>(std::clamp(look.opacity, 0.0, 1.0));
   property_->SetPointSize(static_cast<float>(look.size));
