@@ -123,11 +123,10 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& sweepOverri
 
 // Reads all options of GenerateOptions except the choice of shards, which shardsOption() reads.
 GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::path& folder) {
-  GenerateOptions options;
-  options.folder = folder;
-  options.keepHits = folderOption(parsed, "keep-hits");
-  options.overwrite = parsed.has("overwrite");
-  options.resume = parsed.has("resume");
+  GenerateOptions options{.folder = folder,
+                          .keepHits = folderOption(parsed, "keep-hits"),
+                          .overwrite = parsed.has("overwrite"),
+                          .resume = parsed.has("resume")};
   const std::string resume = parsed.text("resume");
   if (!resume.empty() && resume != "anyway") {
     throw InputError(fmt::format(

@@ -72,16 +72,14 @@ class PassRecorder {
   }
 
   void finish() {
-    Recording recording;
-    recording.kind = RecordingKind::Passes;
-    recording.programVersion = kVersion;
-    recording.method = "depth_camera";
-    recording.folder = writer_.folder();
-    recording.sensors = {{name_, beams_->rings, beams_->columns, "", Pose{}}};
-    recording.sequences = {{scene_, 1, kTrajectory, frames_, 0}};
-    recording.materials = {{}};
-    recording.modelled = {{"passes", "images of six depth cameras, as another program rendered them"}};
-    writer_.finish(recording);
+    writer_.finish({.kind = RecordingKind::Passes,
+                    .programVersion = kVersion,
+                    .method = "depth_camera",
+                    .folder = writer_.folder(),
+                    .sensors = {{name_, beams_->rings, beams_->columns, "", Pose{}}},
+                    .sequences = {{scene_, 1, kTrajectory, frames_, 0}},
+                    .materials = {{}},
+                    .modelled = {{"passes", "images of six depth cameras, as another program rendered them"}}});
   }
 
  private:

@@ -21,14 +21,15 @@ struct Value {
   struct Entry;
 
   Kind kind = Kind::Null;
-  Location where;
-  std::string text;            // Scalar: the text without quotes, with variables expanded
-  bool quoted = false;         // Scalar: true if quoted, a block or !!str; such text is never read as a number
-  std::vector<Value> items;    // Sequence: its items
-  std::vector<Entry> entries;  // Map: its entries in the file's order; keys are unique
-  int keyLine = 0;             // line of the key, for a map's entry; 0 if the entry comes from --set
+  Location where{};
+  std::string text{};            // Scalar: the text without quotes, with variables expanded
+  bool quoted = false;           // Scalar: true if quoted, a block or !!str; such text is never read as a number
+  std::vector<Value> items{};    // Sequence: its items
+  std::vector<Entry> entries{};  // Map: its entries in the file's order; keys are unique
+  int keyLine = 0;               // line of the key, for a map's entry; 0 if the entry comes from --set
   int keyColumn = 0;
-  std::string folder;  // folder in which relative paths start, if --set made the value; empty: the folder of where.file
+  std::string
+      folder{};  // folder in which relative paths start, if --set made the value; empty: the folder of where.file
 
   const Value* find(std::string_view key) const;     // Map: the value of a key; null if absent
   const Value& valueOf(std::string_view key) const;  // Map: the value of a key; a value of kind Null if absent

@@ -60,7 +60,7 @@ struct ScanRecord {
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
   std::uint64_t unresolved = 0;  // beams that the method could not trace: neither hit nor miss
-  std::map<std::uint16_t, std::uint64_t> pointsPerClass;
+  std::map<std::uint16_t, std::uint64_t> pointsPerClass{};
   std::uint32_t instances = 0;  // number of object instances with points
   ReasonCounts beamsPerReason;  // reasons of all beams; empty if the pipeline does not ask for reasons
 };

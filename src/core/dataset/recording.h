@@ -75,14 +75,14 @@ std::string beamsHash(const BeamTable& beams);
 struct Recording {
   static constexpr int kSchemaVersion = 1;
   RecordingKind kind = RecordingKind::Hits;
-  std::string programVersion;
-  std::string method;  // name of the method that computed the hits or passes
-  std::filesystem::path folder;
-  Ontology ontology;  // has no classes if the recording has no ontology; the pipeline must then name one
-  std::vector<RecordedSensor> sensors;
-  std::vector<RecordedSequence> sequences;
-  std::vector<std::vector<Material>> materials;  // tables of materials, each indexed by Hits::material
-  std::vector<ModelledItem> modelled;
+  std::string programVersion{};
+  std::string method{};  // name of the method that computed the hits or passes
+  std::filesystem::path folder{};
+  Ontology ontology{};  // has no classes if the recording has no ontology; the pipeline must then name one
+  std::vector<RecordedSensor> sensors{};
+  std::vector<RecordedSequence> sequences{};
+  std::vector<std::vector<Material>> materials{};  // tables of materials, each indexed by Hits::material
+  std::vector<ModelledItem> modelled{};
 
   // Reads the JSON file of a shot. `sample`: a key such as "street-s1-lane-000012". Throws InputError.
   RecordedShot shot(const std::string& sample, const std::string& sensor) const;

@@ -57,11 +57,7 @@ std::uint16_t SceneBuilder::addMaterial(const Material& material) {
 
 Surface SceneBuilder::surface(std::string_view className, std::string_view materialName, const Location& where) {
   const SemanticClass& semantic = scene_.ontology.require(className, where);
-  Surface surface;
-  surface.semantic = semantic.id;
-  surface.object = semantic.thing ? 1 : 0;
-  surface.material = material(materialName, where);
-  return surface;
+  return {.material = material(materialName, where), .semantic = semantic.id, .object = semantic.thing ? 1u : 0u};
 }
 
 std::uint32_t SceneBuilder::addMesh(Mesh mesh) {

@@ -34,8 +34,8 @@ struct Surface {
   std::uint32_t object = 0;    // 0: stuff; n > 0: the n-th thing of this mesh (see Instance::firstInstanceId)
   // For reports: `node` and `texture` are names in the asset. `labelledBy` is the place in the scene file of the rule
   // or the key `class` that gave the class; it has no file if the class comes from neither.
-  std::string node, texture;
-  Location labelledBy;
+  std::string node{}, texture{};
+  Location labelledBy{};
 };
 
 using Triangle = std::array<std::uint32_t, 3>;

@@ -93,11 +93,7 @@ std::vector<Laser> readVelodyneLasers(const Value& file) {
 }
 
 Value scalar(const std::string& text, const Location& where) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.where = where;
-  value.text = text;
-  return value;
+  return {.kind = Value::Kind::Scalar, .where = where, .text = text};
 }
 
 // Adds an entry to a map, or replaces the entry with the same key.

@@ -30,23 +30,23 @@ struct Shot {
   // Index of the revolution within this sensor and sample, below kMostRevolutions. A sensor that turns faster than the
   // slowest sensor has several revolutions in a sample.
   std::uint32_t revolution = 0;
-  std::string sensorName;
-  std::string sample;   // key of the sample; file names of the shot begin with it
-  double time = 0;      // s since the start of the sequence, at column 0
-  double duration = 0;  // s, time in which the scene's objects move; 0: objects keep their pose at `time`
+  std::string sensorName{};
+  std::string sample{};  // key of the sample; file names of the shot begin with it
+  double time = 0;       // s since the start of the sequence, at column 0
+  double duration = 0;   // s, time in which the scene's objects move; 0: objects keep their pose at `time`
   // Time (s) from `time` to the sensor's next revolution in the dataset. For a revolution that begins with its frame,
   // this is the time to the sequence's next frame; in the last frame, the time since the previous frame; in a single
   // frame, the sensor's period.
   double untilNext = 0;
-  std::shared_ptr<const BeamTable> beams;
+  std::shared_ptr<const BeamTable> beams{};
 
   // The sensor's pose at the start of each step of the revolution; one pose: the sensor stands still during the
   // revolution. A column belongs to the step column * steps / columns, rounded down; steps need not divide the number
   // of columns.
-  std::vector<Pose> worldFromSensor;
+  std::vector<Pose> worldFromSensor{};
 
   // The velocity over ground (m/s, world axes) of the sensor's origin in each step. Empty: the sensor stands still.
-  std::vector<Vec3d> sensorVelocity;
+  std::vector<Vec3d> sensorVelocity{};
 
   // The frame in which points are given. False: each point in the sensor's frame at the step that fired it, as sensors
   // report points. True: all points in the sensor's frame at the start of the revolution.
@@ -55,11 +55,11 @@ struct Shot {
   // Distance (m) along each ray of `beams` beyond which the ray's hits do not matter, for example because the ego
   // vehicle blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore the array, which must outlive
   // the shot.
-  std::span<const float> blockedBeyond;
+  std::span<const float> blockedBeyond{};
 
   // Poses of objects in this shot that replace the poses of the scene; null: all objects have the scene's poses. The
   // scene must be `placeable`.
-  std::shared_ptr<const Placements> placed;
+  std::shared_ptr<const Placements> placed{};
 
   // Largest number of a sensor's revolutions in a sample: the address of random numbers has 8 bits for the index.
   static constexpr std::uint32_t kMostRevolutions = 256;

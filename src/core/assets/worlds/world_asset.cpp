@@ -160,12 +160,11 @@ class WorldAsset {
   const Asset& meshOf(const std::filesystem::path& path, const Location& where) {
     const auto cached = meshes_.find(path);
     if (cached != meshes_.end()) return cached->second;
-    AssetOptions options;
-    options.unitStated = true;  // the world states the scale of its meshes
-    options.alpha = options_.alpha;
-    options.textures = options_.textures;
-    options.allowOutside = options_.allowOutside;
-    options.textureFolders = options_.textureFolders;
+    AssetOptions options{.unitStated = true,  // the world states the scale of its meshes
+                         .alpha = options_.alpha,
+                         .textures = options_.textures,
+                         .allowOutside = options_.allowOutside,
+                         .textureFolders = options_.textureFolders};
     const AssetReader reader = readerOf(path);
     if (reader == AssetReader::World) throw InputError(where, "'{}' is not a mesh", path.string());
     // Gazebo and ROS ignore the up axis that a file declares, except for glTF.

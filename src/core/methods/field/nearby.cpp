@@ -61,12 +61,8 @@ class Ball {
 // Calls visit() for each triangle in the leaves of Embree's hierarchy that the ball touches. visit() gets `search` as
 // the userPtr of its arguments.
 void runQuery(const World& world, const Ball& ball, RTCPointQueryFunction visit, void* search) {
-  RTCPointQuery query;
-  query.x = ball.point()[0];
-  query.y = ball.point()[1];
-  query.z = ball.point()[2];
-  query.time = 0;
-  query.radius = ball.radius();
+  const Float4 p = ball.point();
+  RTCPointQuery query{.x = p[0], .y = p[1], .z = p[2], .time = 0, .radius = ball.radius()};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(world.embree.get(), &query, &context, visit, search);

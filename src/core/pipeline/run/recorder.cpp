@@ -66,11 +66,8 @@ void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
 }
 
 Recording Recorder::describe() const {
-  Recording recording;
-  recording.kind = kind_;
-  recording.programVersion = kVersion;
-  recording.method = plan_.pipeline.methodName();
-  recording.ontology = ontology_;
+  Recording recording{
+      .kind = kind_, .programVersion = kVersion, .method = plan_.pipeline.methodName(), .ontology = ontology_};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const MountedSensor& sensor = plan_.pipeline.sensors[s];
     const BeamTable& beams = *plan_.sensors[s].beams;

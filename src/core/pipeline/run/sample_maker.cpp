@@ -57,17 +57,16 @@ void countPoints(const Scan& scan, ScanRecord& record) {
 
 // Returns the manifest's record of a scan: its poses, time and counts.
 ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method) {
-  ScanRecord record;
-  record.sensor = shot.sensorName;
-  record.revolution = shot.revolution;
-  record.method = method;
-  record.time = shot.time;
-  record.worldFromSensor.push_back(shot.worldFromSensor.front());
+  ScanRecord record{.sensor = shot.sensorName,
+                    .revolution = shot.revolution,
+                    .method = std::string(method),
+                    .time = shot.time,
+                    .worldFromSensor = {shot.worldFromSensor.front()},
+                    .beams = hits.size(),
+                    .unresolved = unresolvedBeams(hits),
+                    .beamsPerReason = countReasons(scan.reasonOfBeam)};
   if (shot.worldFromSensor.size() > 1) record.worldFromSensor.push_back(shot.worldFromSensor.back());
-  record.beams = hits.size();
-  record.unresolved = unresolvedBeams(hits);
   countPoints(scan, record);
-  record.beamsPerReason = countReasons(scan.reasonOfBeam);
   return record;
 }
 

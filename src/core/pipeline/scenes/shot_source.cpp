@@ -271,13 +271,11 @@ Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, st
                      fmt::format("{} of '{}' has {} poses, more than the {} columns of the sensor", sample,
                                  recorded.sensor, recorded.worldFromSensor.size(), beams->columns));
   }
-  Shot shot;
-  shot.frame = frame;
-  shot.time = recorded.time;
-  shot.beams = beamsAt(beams, recorded.time);
-  shot.worldFromSensor = std::move(recorded.worldFromSensor);
-  shot.deskew = pipeline_.motion.deskew;
-  return shot;
+  return {.frame = frame,
+          .time = recorded.time,
+          .beams = beamsAt(beams, recorded.time),
+          .worldFromSensor = std::move(recorded.worldFromSensor),
+          .deskew = pipeline_.motion.deskew};
 }
 
 Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions revolutions) {

@@ -292,12 +292,8 @@ class ExactTracer::Impl {
       const Vec3d origin{rays.ox[i], rays.oy[i], rays.oz[i]};
       const Vec3d direction{rays.dx[i], rays.dy[i], rays.dz[i]};
       const ShearedBeam beam(origin, direction);
-      ExactContext context;
-      context.world = &world;
-      context.beam = &beam;
-      context.far = coplanarReach(shot.beams->maxRange);
       found.clear();
-      context.found = &found;
+      ExactContext context{.world = &world, .beam = &beam, .far = coplanarReach(shot.beams->maxRange), .found = &found};
       findTriangles(origin, direction, context);
       if (found.empty()) continue;
       const CandidateHit hit = reportedHit(world.world, found, direction);
