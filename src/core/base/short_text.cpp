@@ -1,6 +1,7 @@
 #include "base/short_text.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -73,6 +74,12 @@ double niceStep(double least) {
     if (factor * power >= least * (1 - 1e-9)) return factor * power;
   }
   return 10 * power;
+}
+
+std::string shortList(const std::vector<std::string>& texts, std::size_t most) {
+  const std::size_t shown = std::min(texts.size(), most);
+  const std::string list = fmt::format("{}", fmt::join(texts.begin(), texts.begin() + std::ptrdiff_t(shown), ", "));
+  return shown < texts.size() ? fmt::format("{} and {} more", list, texts.size() - shown) : list;
 }
 
 std::string axisNumber(double value, const std::string& unit) {

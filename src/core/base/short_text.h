@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/vec.h"
 
@@ -31,6 +32,9 @@ inline std::string grouped(std::uint64_t number) {
 
 // Returns a count with its noun, such as "1 scan" or "2,000 scans".
 std::string pluralOf(std::uint64_t count, std::string_view noun);
+
+// Returns texts separated by commas; if more than `most`, the first ones and a number: "a, b, c and 3 more".
+std::string shortList(const std::vector<std::string>& texts, std::size_t most);
 
 // Returns a size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
 std::string shortBytes(double bytes);

@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -8,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "config/resources.h"
 #include "dataset/json_record.h"
@@ -351,13 +350,10 @@ void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::file
     if (hash->second != record.xxh3) appendNew({file.string()}, changed);
   }
   if (changed.empty()) return;
-  const std::size_t named = std::min(kMostNamed, changed.size());
-  const std::string unnamed = named < changed.size() ? fmt::format(" and {} more", changed.size() - named) : "";
-  changed.resize(named);
   throw InputError({dataset.string()},
-                   "has shards that were made before these files changed or went: {}{}: restore the files, "
+                   "has shards that were made before these files changed or went: {}: restore the files, "
                    "add --overwrite to start again, or give --resume=anyway to keep these shards",
-                   fmt::join(changed, ", "), unnamed);
+                   shortList(changed, kMostNamed));
 }
 
 OrderedJson ontologyJson(const Ontology& ontology) {

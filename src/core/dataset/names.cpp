@@ -1,14 +1,13 @@
 #include "dataset/names.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <set>
-#include <span>
 
 #include "base/error.h"
+#include "base/short_text.h"
 #include "config/fields.h"
 
 namespace scanmill {
@@ -158,13 +157,10 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& que
   }
   if (!matches.empty()) {
     constexpr std::size_t kMostListed = 6;
-    std::vector<std::string> listed;
-    for (const std::size_t i : std::span(matches).first(std::min(kMostListed, matches.size()))) {
-      listed.push_back(keys[i]);
-    }
-    const std::size_t unlisted = matches.size() - listed.size();
-    throw InputError({where}, "'{}' is part of {} keys: give more of one key: {}{}", query, matches.size(),
-                     fmt::join(listed, ", "), unlisted > 0 ? fmt::format(" and {} more", unlisted) : std::string());
+    std::vector<std::string> matchingKeys;
+    for (const std::size_t i : matches) matchingKeys.push_back(keys[i]);
+    throw InputError({where}, "'{}' is part of {} keys: give more of one key: {}", query, matches.size(),
+                     shortList(matchingKeys, kMostListed));
   }
   const std::string similarKey = nearest(query, keys);
   throw InputError({where}, "has no sample '{}'; it has {} samples, {} to {}{}", query, keys.size(), keys.front(),

@@ -30,5 +30,11 @@ TEST(ShortText, TimesAreSecondsMinutesAndHours) {
   EXPECT_EQ(shortTime(3723), "1 h 2 min");
 }
 
+TEST(ShortText, ListsNameTheFirstAndCountTheOthers) {
+  EXPECT_EQ(shortList({}, 2), "");
+  EXPECT_EQ(shortList({"a", "b"}, 2), "a, b");
+  EXPECT_EQ(shortList({"a", "b", "c", "d"}, 2), "a, b and 2 more");
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -1,16 +1,15 @@
 #include "assets/meshes/base_color.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cstdint>
-#include <iterator>
 #include <vector>
 
 #include "assets/meshes/imported_file.h"
 #include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/input_budget.h"
+#include "base/short_text.h"
 #include "images/images.h"
 #include "images/srgb.h"
 #include "scene/texture.h"
@@ -146,13 +145,12 @@ void setColor(Material& material, const BaseColor& color, const std::filesystem:
 ColorImages::~ColorImages() {
   constexpr std::size_t kMostNames = 8;
   if (missing_.empty()) return;
-  const std::vector<std::string> names(missing_.begin(),
-                                       std::next(missing_.begin(), std::min(missing_.size(), kMostNames)));
+  std::vector<std::string> names;
+  for (const std::string& name : missing_) names.push_back(fmt::format("'{}'", name));
   warn(
-      "{}: missing textures: '{}'{}; plain colours replace them, and what their alpha would cut out is "
+      "{}: missing textures: {}; plain colours replace them, and what their alpha would cut out is "
       "solid; `textures` of the object names further folders",
-      asset_.string(), fmt::join(names, "', '"),
-      missing_.size() > kMostNames ? fmt::format(" and {} more", missing_.size() - kMostNames) : "");
+      asset_.string(), shortList(names, kMostNames));
 }
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, Need need,

@@ -1,7 +1,6 @@
 #include "study/noise/fit_noise.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "base/short_text.h"
 #include "config/fields.h"
 #include "config/resources.h"
 #include "config/value.h"
@@ -209,12 +209,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   addStandardErrors(used, free, fit);
 }
 
-// Returns the names separated by commas; if more than three, the first three and a number: "a, b, c and 3 more".
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kShown = 3;
-  if (names.size() <= kShown) return fmt::format("{}", fmt::join(names, ", "));
-  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kShown, ", "), names.size() - kShown);
-}
+constexpr std::size_t kMostFiles = 3;  // files that a text names
 
 // Returns the item `ring_bias` of the effects as YAML, with the spreads of the rings' errors that are attributed to the
 // sensor (kOwnErrors); empty if there are none.
@@ -326,7 +321,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
         "{}: no band of ranges has at least {} flat patches of {} x {} beams with incidences up to {:g} deg: "
         "noise is measured on flat surfaces such as walls and floors; give more scans, or scans of a "
         "place with such surfaces{}",
-        listed(fit.files), kFewestPatches, kPatchRings, kPatchColumns, kMostIncidenceDegrees,
+        shortList(fit.files, kMostFiles), kFewestPatches, kPatchRings, kPatchColumns, kMostIncidenceDegrees,
         beams.rings < kPatchRings ? fmt::format("; and a sensor of at least {} rings", kPatchRings) : ""));
   }
   fitLine(fit, used);
@@ -370,7 +365,8 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   for (const PatchGroup* band : used) {
     rows += fmt::format("{}[{:.3g}, {:.3g}]", rows.empty() ? "" : ", ", band->range, band->sigma);
   }
-  std::string text = fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, listed(fit.files));
+  std::string text =
+      fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, shortList(fit.files, kMostFiles));
   text += fmt::format(
       "  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to {:g} deg from their normals.\n",
       fit.patches, fit.points, first->range, last->range, kMostIncidenceDegrees);

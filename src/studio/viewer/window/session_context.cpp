@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "base/error.h"
+#include "base/short_text.h"
 #include "scene/thing_boxes.h"
 
 namespace scanmill {
@@ -58,13 +59,9 @@ std::string ClassFilter::text(const Ontology* ontology) const {
   if (showsAll()) return {};
   if (listed_.empty()) return "all classes hidden";
   constexpr std::size_t kMostNames = 3;
-  std::string text = only_ ? "only " : "without ";
-  std::size_t names = 0;
-  for (const std::uint16_t id : listed_) {
-    if (names == kMostNames) return text + fmt::format(" and {} more", listed_.size() - kMostNames);
-    text += (names++ == 0 ? "" : ", ") + className(ontology, id);
-  }
-  return text;
+  std::vector<std::string> names;
+  for (const std::uint16_t id : listed_) names.push_back(className(ontology, id));
+  return (only_ ? "only " : "without ") + shortList(names, kMostNames);
 }
 
 namespace {
