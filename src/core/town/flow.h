@@ -36,9 +36,9 @@ struct StopLine {
 
 struct Route {
   double length = 0;  // m; vehicles that have reached the end are ignored
-  std::vector<Leg> legs;
-  std::vector<StopLine> stops;
-  std::vector<double> limit;  // speed limits (m/s) at 0, kLimitStep, ... m along the route: see inBends()
+  std::vector<Leg> legs{};
+  std::vector<StopLine> stops{};
+  std::vector<double> limit{};  // speed limits (m/s) at 0, kLimitStep, ... m along the route: see inBends()
 };
 
 constexpr double kLimitStep = 2;  // m between the values of Route::limit

@@ -106,10 +106,7 @@ class Traffic {
     const Path& path = *paths_.back().path;
     std::vector<double> curvature;
     for (const double d : models::steps(0, path.length(), kLimitStep)) curvature.push_back(path.curvature(d, 4));
-    Route route;
-    route.length = path.length();
-    route.limit = inBends(curvature, fastest_);
-    routes_.push_back(std::move(route));
+    routes_.push_back({.length = path.length(), .limit = inBends(curvature, fastest_)});
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 

@@ -176,10 +176,9 @@ std::optional<WorldPart> readSdfVisual(const XmlNode& visual, const SdfLink& lin
   if (numbersIn(visual, transparency, 1).front() >= 1) return std::nullopt;  // invisible visuals are not scanned
   const auto [pose, relativeTo] = readSdfPose(visual);
   const Pose modelFromFrame = relativeTo.empty() ? link.modelFromLink : link.frames.resolve(relativeTo, visual);
-  WorldPart part;
-  part.where = visual.where;
-  part.node = link.name + "/" + visual.attributeOr("name", "visual");
-  part.thingFromPart = toAffine(modelFromFrame * pose);
+  WorldPart part{.node = link.name + "/" + visual.attributeOr("name", "visual"),
+                 .thingFromPart = toAffine(modelFromFrame * pose),
+                 .where = visual.where};
   for (const XmlNode& shape : geometry->children) {
     if (!readShape(*geometry, shape, link.file, world, part)) {
       if (shape.name == "mesh" || shape.name == "heightmap") return std::nullopt;

@@ -189,10 +189,9 @@ class UrdfReader {
     const XmlNode* const geometry = visual.child("geometry");
     if (geometry == nullptr || geometry->children.empty()) return;
     const XmlNode& shape = geometry->children.front();
-    WorldPart part;
-    part.where = visual.where;
-    part.node = link + "/" + visual.attributeOr("name", fmt::format("visual_{}", number));
-    part.thingFromPart = robotFromLink * readOrigin(visual);
+    WorldPart part{.node = link + "/" + visual.attributeOr("name", fmt::format("visual_{}", number)),
+                   .thingFromPart = robotFromLink * readOrigin(visual),
+                   .where = visual.where};
     if (shape.name == "mesh") {
       try {
         part.shape = MeshFile{findModel(shape, file_, shape.attributeOr("filename", ""))};

@@ -65,13 +65,13 @@ struct MeshFile {
 };
 
 struct WorldPart {
-  std::string node;                    // path within the thing, such as "link/visual"
-  std::variant<Mesh, MeshFile> shape;  // a solid or a mesh
-  Affine thingFromPart;                // includes the part's scale
-  std::string material;                // name of the material of a solid, or of a mesh whose file names no material
-  std::optional<std::array<float, 3>> color;
-  std::filesystem::path texture;             // replaces the mesh's texture; empty: the mesh keeps its texture
-  std::optional<float> roughness, metallic;  // replace the values of the mesh's materials
+  std::string node;                      // path within the thing, such as "link/visual"
+  std::variant<Mesh, MeshFile> shape{};  // a solid or a mesh
+  Affine thingFromPart;                  // includes the part's scale
+  std::string material{};                // name of the material of a solid, or of a mesh whose file names no material
+  std::optional<std::array<float, 3>> color{};
+  std::filesystem::path texture{};               // replaces the mesh's texture; empty: the mesh keeps its texture
+  std::optional<float> roughness{}, metallic{};  // replace the values of the mesh's materials
   Location where;
 };
 

@@ -91,10 +91,7 @@ MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
 // `stream`: selects the random numbers.
 PatchGroup measureBand(const FlatPatches& patches, std::string name, double high, double step, std::uint32_t stream) {
   constexpr double kOneSigma = 0.84;  // probability below one standard deviation of the normal distribution
-  PatchGroup group;
-  group.name = std::move(name);
-  group.high = high;
-  group.dropOut = dropOutOf(patches, 2 * stream);
+  PatchGroup group{.name = std::move(name), .high = high, .dropOut = dropOutOf(patches, 2 * stream)};
   FlatPatches measured;  // patches whose measured half has enough returns
   std::vector<double> ranges, planeVariances, variances;
   for (const FlatPatch* p : patches) {

@@ -61,8 +61,8 @@ struct PatchGroup {
   double withStep = 0;       // standard deviation of the ranges, including the effect of rounding to the step (m)
   double planeSigma = 0;     // like sigma, but relative to planes (m): includes ring offsets, curvature and motion
   double unevenness = 0;     // spread of the patches' variances / spread for patches of equal noise
-  MeasuredShare dropOut;
-  std::string leftOut;  // why the fit does not use the band; empty: the fit uses it
+  MeasuredShare dropOut{};
+  std::string leftOut{};  // why the fit does not use the band; empty: the fit uses it
 };
 
 struct NoiseFit {

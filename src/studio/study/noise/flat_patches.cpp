@@ -264,10 +264,7 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
 
   const std::optional<PlaneFit> plane = fitPlane(beams, tested);
   if (!plane) return {};
-  FlatPatch patch;
-  patch.window = window;
-  patch.plane = plane->plane;
-  patch.testedPlaneDeviation = std::sqrt(plane->fit.variance());
+  FlatPatch patch{.window = window, .plane = plane->plane, .testedPlaneDeviation = std::sqrt(plane->fit.variance())};
   const double distance = 1 / length(plane->plane);
   for (const Cell& cell : *cells) {
     const double cosine = dot(plane->plane, beams.direction[cell.beam]) * distance;

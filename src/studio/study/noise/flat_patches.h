@@ -55,8 +55,8 @@ struct FlatPatch {
   double range = 0;                 // mean range of the plane along the window's beams (m)
   double incidence = 0;             // cosine of the angle between the window's middle beam and the plane's normal
   double testedPlaneDeviation = 0;  // standard deviation of the tested half from the plane (m)
-  SurfaceFit testedLines;           // fit of the rings' lines to the tested half
-  SurfaceFit measuredLines, measuredPlane;  // fits of lines and of another plane to the measured half
+  SurfaceFit testedLines{};         // fit of the rings' lines to the tested half
+  SurfaceFit measuredLines{}, measuredPlane{};  // fits of lines and of another plane to the measured half
   std::uint32_t points = 0;    // number of measured returns, except those that determine a coefficient almost alone
   std::uint32_t enclosed = 0;  // number of measured beams with at least three neighbouring returns, all on the plane
   std::uint32_t holes = 0;     // number of enclosed beams that have no return
