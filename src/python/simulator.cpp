@@ -73,37 +73,6 @@ struct SceneObject {
   bool moves = false;                 // true: the scene itself moves the object
 };
 
-// Makes scans of one scene. Safe to use from several threads.
-class Simulator {
- public:
-  // `pipeline`: text of a pipeline with one sequence. Relative paths in the text start at `folder`. `parts` are added
-  // to the scene. If `placeable`, scans may place objects. Throws InputError.
-  Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts = {},
-            bool placeable = false);
-
-  // Returns one scan per sensor: the scan that `scanmill generate` makes with this pipeline in the frame `frame`, if
-  // the vehicle has the same poses, and all objects have the scene's poses and stand still during the revolution.
-  // Throws InputError for an unknown object.
-  std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const;
-
-  // Returns the objects of the scene, by their names, at a time (s since the drive began).
-  std::unordered_map<std::string, SceneObject> objects(double time) const;
-
-  const Plan& plan() const { return plan_; }
-  const Scene& scene() const { return scene_; }
-
- private:
-  std::shared_ptr<const Placements> placementsOf(const SimulatedShot& simulated) const;
-  const std::vector<std::uint32_t>& instancesOf(const std::string& name) const;
-
-  Plan plan_;
-  mutable ShotSource source_;  // its functions may be called from any thread
-  Scene scene_;
-  std::unique_ptr<Method> method_;
-  // Indices of instances: by their name, and for the copies NAME#1, NAME#2, ... by NAME.
-  std::unordered_map<std::string, std::vector<std::uint32_t>> instances_, copies_;
-};
-
 Pipeline pipelineOf(const std::string& text, const std::filesystem::path& folder) {
   Pipeline pipeline = readPipelineText(text, folder / "simulation.yaml");
   if (pipeline.sequences.size() != 1)
@@ -167,102 +136,124 @@ SceneChanges changesOf(std::vector<ArrayPart> parts, bool placeable) {
   return changes;
 }
 
-Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts,
-                     bool placeable)
-    : plan_(makePlan(pipelineOf(pipeline, folder))), source_(plan_, changesOf(std::move(parts), placeable)) {
-  const MethodEntry& method = *plan_.pipeline.method.entry;
-  if (placeable && !method.can.moving) {
-    throw InputError(
-        fmt::format("poses: the method {} cannot trace moving objects: take the method {}, or add the "
-                    "objects with their poses",
-                    method.name, firstMethodThat(&MethodCapabilities::moving).name));
-  }
-  scene_ = source_.load(0);
-  method_ = source_.method(scene_);
-  plan_.checkMemory(method_->memoryBytes(), "the scene");
-  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-    const std::string& name = scene_.instances[i].name;
-    instances_[name].push_back(i);
-    if (const std::size_t copy = name.rfind('#'); copy != std::string::npos) copies_[name.substr(0, copy)].push_back(i);
-  }
-}
-
-// Returns the indices of the instances called `name`, or else of its copies NAME#1, ...; throws InputError if none.
-const std::vector<std::uint32_t>& Simulator::instancesOf(const std::string& name) const {
-  for (const auto* indicesByName : {&instances_, &copies_}) {
-    if (const auto entry = indicesByName->find(name); entry != indicesByName->end()) return entry->second;
-  }
-  std::vector<std::string> names;
-  for (const auto& [instanceName, indices] : instances_) names.push_back(instanceName);
-  throw InputError(fmt::format("poses: the scene has no object '{}'{}", name, suggestion(name, names)));
-}
-
-// Returns the motions of all instances of `simulated.objects`; null if `simulated.objects` is empty.
-std::shared_ptr<const Placements> Simulator::placementsOf(const SimulatedShot& simulated) const {
-  if (simulated.objects.empty()) return nullptr;
-  auto placed = std::make_shared<Placements>(simulated.time);
-  for (const ObjectPose& object : simulated.objects) {
-    const std::vector<std::uint32_t>& instances = instancesOf(object.name);
-    Affine moved;  // from the object's pose in the scene to its pose in the shot
-    if (object.worldFromObject) {
-      const Affine inScene = scene_.instances[instances.front()].worldFromMeshAt(simulated.time);
-      moved = *object.worldFromObject * inverse(rigidPartOf(inScene));
+// Makes scans of one scene. Safe to use from several threads.
+class Simulator {
+ public:
+  // `pipeline`: text of a pipeline with one sequence. Relative paths in the text start at `folder`. `parts` are added
+  // to the scene. If `placeable`, scans may place objects. Throws InputError.
+  Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts = {},
+            bool placeable = false)
+      : plan_(makePlan(pipelineOf(pipeline, folder))), source_(plan_, changesOf(std::move(parts), placeable)) {
+    const MethodEntry& method = *plan_.pipeline.method.entry;
+    if (placeable && !method.can.moving) {
+      throw InputError(
+          fmt::format("poses: the method {} cannot trace moving objects: take the method {}, or add the "
+                      "objects with their poses",
+                      method.name, firstMethodThat(&MethodCapabilities::moving).name));
     }
-    for (const std::uint32_t index : instances) {
-      RigidMotion motion;
-      motion.hidden = !object.worldFromObject;
-      motion.worldFromMesh = moved * scene_.instances[index].worldFromMeshAt(simulated.time);
-      motion.turning = object.turning;
-      if (!motion.hidden) {
-        const Vec3d lever = motion.worldFromMesh.translation - object.worldFromObject->translation;
-        motion.velocity = object.velocity + cross(object.turning, lever);
+    scene_ = source_.load(0);
+    method_ = source_.method(scene_);
+    plan_.checkMemory(method_->memoryBytes(), "the scene");
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      const std::string& name = scene_.instances[i].name;
+      instances_[name].push_back(i);
+      if (const std::size_t copy = name.rfind('#'); copy != std::string::npos)
+        copies_[name.substr(0, copy)].push_back(i);
+    }
+  }
+
+  // Returns one scan per sensor: the scan that `scanmill generate` makes with this pipeline in the frame `frame`, if
+  // the vehicle has the same poses, and all objects have the scene's poses and stand still during the revolution.
+  // Throws InputError for an unknown object.
+  std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const {
+    std::vector<SimulatedScan> scans;
+    const std::shared_ptr<const FrameSettings> settings = source_.settings(0, simulated.frame);
+    const std::shared_ptr<const Placements> placed = placementsOf(simulated);
+    for (Shot& shot : source_.frame(0, 0).shots) {
+      shot.frame = simulated.frame;
+      shot.time = simulated.time;
+      shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, simulated.time);
+      if (simulated.moving) shot.duration = shot.beams->columnPeriod() * shot.beams->columns;
+      shot.placed = placed;
+      shot.worldFromSensor.clear();
+      for (const Pose& worldFromVehicle : simulated.worldFromVehicle.at(shot.sensor)) {
+        shot.worldFromSensor.push_back(worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor);
       }
-      placed->set(index, motion);
+      shot.sensorVelocity = velocitiesOf(shot.worldFromSensor, shot.beams->columnPeriod() * shot.beams->columns);
+      ShotBuffers buffers;
+      StageClock clock({"trace", "effects"});
+      runShot(setupOf(plan_, *settings, scene_, *method_, shot.sensor), shot, buffers, clock);
+      scans.push_back({std::move(buffers.scan), std::move(shot.worldFromSensor)});
     }
+    return scans;
   }
-  return placed;
-}
 
-std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& simulated) const {
-  std::vector<SimulatedScan> scans;
-  const std::shared_ptr<const FrameSettings> settings = source_.settings(0, simulated.frame);
-  const std::shared_ptr<const Placements> placed = placementsOf(simulated);
-  for (Shot& shot : source_.frame(0, 0).shots) {
-    shot.frame = simulated.frame;
-    shot.time = simulated.time;
-    shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, simulated.time);
-    if (simulated.moving) shot.duration = shot.beams->columnPeriod() * shot.beams->columns;
-    shot.placed = placed;
-    shot.worldFromSensor.clear();
-    for (const Pose& worldFromVehicle : simulated.worldFromVehicle.at(shot.sensor)) {
-      shot.worldFromSensor.push_back(worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor);
+  // Returns the objects of the scene, by their names, at a time (s since the drive began).
+  std::unordered_map<std::string, SceneObject> objects(double time) const {
+    std::unordered_map<std::string, SceneObject> objects;
+    for (const auto& [name, indices] : instances_) {
+      SceneObject& object = objects[name];
+      object.worldFromObject = rigidPartOf(scene_.instances[indices.front()].worldFromMeshAt(time));
+      for (const std::uint32_t index : indices) {
+        const Instance& instance = scene_.instances[index];
+        object.moves |= instance.moves();
+        for (std::uint32_t k = 1; k <= scene_.meshes[instance.mesh].objects; ++k) {
+          object.things.push_back(instanceId(instance.firstInstanceId, k));
+        }
+      }
+      std::ranges::sort(object.things);
+      object.things.erase(std::unique(object.things.begin(), object.things.end()), object.things.end());
     }
-    shot.sensorVelocity = velocitiesOf(shot.worldFromSensor, shot.beams->columnPeriod() * shot.beams->columns);
-    ShotBuffers buffers;
-    StageClock clock({"trace", "effects"});
-    runShot(setupOf(plan_, *settings, scene_, *method_, shot.sensor), shot, buffers, clock);
-    scans.push_back({std::move(buffers.scan), std::move(shot.worldFromSensor)});
+    return objects;
   }
-  return scans;
-}
 
-std::unordered_map<std::string, SceneObject> Simulator::objects(double time) const {
-  std::unordered_map<std::string, SceneObject> objects;
-  for (const auto& [name, indices] : instances_) {
-    SceneObject& object = objects[name];
-    object.worldFromObject = rigidPartOf(scene_.instances[indices.front()].worldFromMeshAt(time));
-    for (const std::uint32_t index : indices) {
-      const Instance& instance = scene_.instances[index];
-      object.moves |= instance.moves();
-      for (std::uint32_t k = 1; k <= scene_.meshes[instance.mesh].objects; ++k) {
-        object.things.push_back(instanceId(instance.firstInstanceId, k));
+  const Plan& plan() const { return plan_; }
+  const Scene& scene() const { return scene_; }
+
+ private:
+  // Returns the indices of the instances called `name`, or else of its copies NAME#1, ...; throws InputError if none.
+  const std::vector<std::uint32_t>& instancesOf(const std::string& name) const {
+    for (const auto* indicesByName : {&instances_, &copies_}) {
+      if (const auto entry = indicesByName->find(name); entry != indicesByName->end()) return entry->second;
+    }
+    std::vector<std::string> names;
+    for (const auto& [instanceName, indices] : instances_) names.push_back(instanceName);
+    throw InputError(fmt::format("poses: the scene has no object '{}'{}", name, suggestion(name, names)));
+  }
+
+  // Returns the motions of all instances of `simulated.objects`; null if `simulated.objects` is empty.
+  std::shared_ptr<const Placements> placementsOf(const SimulatedShot& simulated) const {
+    if (simulated.objects.empty()) return nullptr;
+    auto placed = std::make_shared<Placements>(simulated.time);
+    for (const ObjectPose& object : simulated.objects) {
+      const std::vector<std::uint32_t>& instances = instancesOf(object.name);
+      Affine moved;  // from the object's pose in the scene to its pose in the shot
+      if (object.worldFromObject) {
+        const Affine inScene = scene_.instances[instances.front()].worldFromMeshAt(simulated.time);
+        moved = *object.worldFromObject * inverse(rigidPartOf(inScene));
+      }
+      for (const std::uint32_t index : instances) {
+        RigidMotion motion;
+        motion.hidden = !object.worldFromObject;
+        motion.worldFromMesh = moved * scene_.instances[index].worldFromMeshAt(simulated.time);
+        motion.turning = object.turning;
+        if (!motion.hidden) {
+          const Vec3d lever = motion.worldFromMesh.translation - object.worldFromObject->translation;
+          motion.velocity = object.velocity + cross(object.turning, lever);
+        }
+        placed->set(index, motion);
       }
     }
-    std::ranges::sort(object.things);
-    object.things.erase(std::unique(object.things.begin(), object.things.end()), object.things.end());
+    return placed;
   }
-  return objects;
-}
+
+  Plan plan_;
+  mutable ShotSource source_;  // its functions may be called from any thread
+  Scene scene_;
+  std::unique_ptr<Method> method_;
+  // Indices of instances: by their name, and for the copies NAME#1, NAME#2, ... by NAME.
+  std::unordered_map<std::string, std::vector<std::uint32_t>> instances_, copies_;
+};
 
 // Returns the transform from a 4 x 4 matrix that is stored row by row.
 Affine affineOf(const double* m) {
