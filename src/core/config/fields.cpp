@@ -125,10 +125,6 @@ Fields::Fields(const Value& value, std::string what) : value_(value), what_(std:
                    value.kind == Value::Kind::Scalar ? quotedForMessage(value.text) : "a list");
 }
 
-bool Fields::has(std::string_view key) const {
-  return find(key) != nullptr;
-}
-
 const Value* Fields::find(std::string_view key) const {
   if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   const Value* value = value_.find(key);

@@ -93,9 +93,9 @@ class Fields {
   Fields(const Value& value, std::string what);
 
   // Each of these functions marks the key as known, so that finish() accepts it.
-  bool has(std::string_view key) const;           // true if the key has a non-empty value
-  const Value* find(std::string_view key) const;  // null if absent or empty
-  const Value& require(std::string_view key);     // throws if absent; an empty value (Null) is returned
+  bool has(std::string_view key) const { return find(key) != nullptr; }  // true if the key has a non-empty value
+  const Value* find(std::string_view key) const;                         // null if absent or empty
+  const Value& require(std::string_view key);  // throws if absent; an empty value (Null) is returned
   const Location& where() const { return value_.where; }
   const Value& value() const { return value_; }
 

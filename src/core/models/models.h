@@ -110,7 +110,7 @@ enum class Loop { Open, Closed };
 // A mesh under construction. `frame` transforms everything that is appended. Lengths are in metres.
 class Shape {
  public:
-  Shape(SceneBuilder& builder, std::string name);
+  Shape(SceneBuilder& builder, std::string name) : builder_(builder) { mesh.name = std::move(name); }
 
   // surface() returns the surface of a class with a material; surfaces() returns a surface for each material.
   SurfaceIndex surface(std::string_view className, std::string_view material);

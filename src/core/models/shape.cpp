@@ -70,10 +70,6 @@ std::vector<Vec3d> levelRectangle(double z, double halfX, double halfY, double m
           {middleX - halfX, halfY, z}};
 }
 
-Shape::Shape(SceneBuilder& builder, std::string name) : builder_(builder) {
-  mesh.name = std::move(name);
-}
-
 SurfaceIndex Shape::surface(std::string_view className, std::string_view material) {
   std::string key = std::string(className) + '/' + std::string(material);
   for (const auto& [name, index] : surfaces_) {

@@ -33,10 +33,6 @@ double DropSizes::above(double diameter) const {
   return intercept / slope * exponential(-slope * diameter);
 }
 
-double DropSizes::squares() const {
-  return 2 * intercept / (slope * slope * slope);
-}
-
 DropSizes rainDrops(double rate) {
   return {8000, 4.1 * power(rate, -0.21)};
 }

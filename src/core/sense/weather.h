@@ -12,7 +12,7 @@ struct DropSizes {
   // Returns the number of drops per cubic metre with a larger diameter than `diameter` (mm).
   double above(double diameter) const;
   // Returns the sum of the squared diameters of all drops in a cubic metre (mm^2/m^3).
-  double squares() const;
+  double squares() const { return 2 * intercept / (slope * slope * slope); }
 };
 
 // Returns the size distribution of raindrops at a rate (mm/h): Marshall and Palmer, "The distribution of raindrops with

@@ -89,10 +89,6 @@ void BlenderJob::fail(const std::string& problem) const {
   throw Error(lines.empty() ? problem : fmt::format("{}; its last lines:\n{}", problem, lines));
 }
 
-void BlenderJob::ask(const std::string& line) {
-  process_.write(line + "\n");
-}
-
 BlenderAnswer BlenderJob::answer() {
   try {
     while (const std::optional<std::string> line = process_.readLine(patience_)) {

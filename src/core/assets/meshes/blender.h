@@ -31,7 +31,7 @@ class BlenderJob {
   BlenderJob(const std::string& job, const std::filesystem::path& folder, const std::vector<std::string>& arguments);
 
   // Sends a line to the script.
-  void ask(const std::string& line);
+  void ask(const std::string& line) { process_.write(line + "\n"); }
   // Waits for the script's next answer, at most the number of seconds in the environment variable
   // SCANMILL_BLENDER_SECONDS (600 by default). Throws an InputError, which does not name the file, if the user's file
   // is at fault; throws an Error with Blender's last lines if anything else fails.

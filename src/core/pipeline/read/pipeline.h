@@ -5,6 +5,8 @@
 //
 //   const Pipeline pipeline = readPipeline("pipelines/street.yaml", {"seed=7", "effects=[]"});  // as with --set
 
+#include <fmt/core.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -65,9 +67,11 @@ struct Sequence {
   bool sameScene(const Sequence& other) const;
   // Returns at most `most` frame numbers, spread evenly over the sequence.
   std::vector<std::uint32_t> spreadFrames(std::uint32_t most) const;
-  std::string sceneName() const;  // the scene with its seed, such as "street-s1"
-  std::string key() const;        // key of the sequence, such as "street-s1-lane": scene, seed and trajectory
-  std::string key(std::uint32_t frame) const;  // key of a sample, such as "street-s1-lane-000012"
+  // Returns the scene with its seed, such as "street-s1".
+  std::string sceneName() const { return fmt::format("{}-s{}", scene, sceneSeed); }
+  std::string key() const;  // key of the sequence, such as "street-s1-lane": scene, seed and trajectory
+  // Returns the key of a sample, such as "street-s1-lane-000012".
+  std::string key(std::uint32_t frame) const { return fmt::format("{}-{:06}", key(), frame); }
 };
 
 // Returns the text as a part of sample keys, which are ASCII without dots and slashes. Letters become lower case;

@@ -266,16 +266,8 @@ std::vector<std::uint32_t> Sequence::spreadFrames(std::uint32_t most) const {
   return spread;
 }
 
-std::string Sequence::sceneName() const {
-  return fmt::format("{}-s{}", scene, sceneSeed);
-}
-
 std::string Sequence::key() const {
   return fmt::format("{}-{}", sceneName(), keyPart(trajectoryName));
-}
-
-std::string Sequence::key(std::uint32_t frame) const {
-  return fmt::format("{}-{:06}", key(), frame);
 }
 
 }  // namespace scanmill

@@ -83,10 +83,6 @@ SceneObjects::SceneObjects(const Scene& scene, const Method& method)
       own_(ownWorlds(scene, method)),
       unobstructed_(own_ != nullptr ? *own_ : *method.worlds(), boxes_) {}
 
-std::uint64_t SceneObjects::memoryBytes() const {
-  return own_ == nullptr ? 0 : own_->memoryBytes();
-}
-
 std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const BeamTable>& beams) const {
   const auto isOfBeams = [&](const Grid& grid) { return grid.beams == beams; };
   {

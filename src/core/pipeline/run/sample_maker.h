@@ -50,7 +50,7 @@ class SceneObjects {
   const ThingBoxes& boxes() const { return boxes_; }
   const Unobstructed& unobstructed() const { return unobstructed_; }
   // Returns the size (bytes) of the hierarchies that this object has built; 0 if it uses the method's hierarchies.
-  std::uint64_t memoryBytes() const;
+  std::uint64_t memoryBytes() const { return own_ == nullptr ? 0 : own_->memoryBytes(); }
   std::shared_ptr<const BeamGrid> gridOf(const std::shared_ptr<const BeamTable>& beams) const;
 
  private:
@@ -134,7 +134,7 @@ class SceneStore {
   std::vector<std::string> warnings() const;
   // Returns the seconds spent in each of the method's own stages; empty if the method has no separate stages.
   StageSeconds methodSeconds() const;
-  double setupSeconds() const;
+  double setupSeconds() const { return clock_.seconds().at("setup"); }
 
  private:
   struct Slot;

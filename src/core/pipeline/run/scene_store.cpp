@@ -200,8 +200,4 @@ StageSeconds SceneStore::methodSeconds() const {
   return seconds;
 }
 
-double SceneStore::setupSeconds() const {
-  return clock_.seconds().at("setup");
-}
-
 }  // namespace scanmill

@@ -309,10 +309,6 @@ Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions 
   return frame;
 }
 
-double BlockedRays::share() const {
-  return static_cast<double>(blocked.size()) / static_cast<double>(range.size());
-}
-
 void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
   hits.pathOfRay.assign(hits.rays(), RayPath::Direct);
   for (std::size_t i = 0; i < vehicle.blocked.size(); ++i) {

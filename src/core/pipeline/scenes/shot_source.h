@@ -43,7 +43,8 @@ struct BlockedRays {
   // Traces the beams of another revolution; null if the sensor's beams are the same in all revolutions.
   std::function<BlockedRays(const BeamTable& beams)> ofRevolution{};
 
-  double share() const;  // the fraction of the rays that hit the vehicle
+  // Returns the fraction of the rays that hit the vehicle.
+  double share() const { return static_cast<double>(blocked.size()) / static_cast<double>(range.size()); }
 };
 
 // For each ray that hits the vehicle before anything else, replaces the hit or miss by the hit on the vehicle, with

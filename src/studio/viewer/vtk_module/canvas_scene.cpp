@@ -169,10 +169,6 @@ void CanvasScene::setImage(ImageId image, int width, int height, std::span<const
   overlay_.setImage(window_, image, width, height, pixels);
 }
 
-void CanvasScene::setOverlay(Overlay overlay) {
-  overlay_.set(std::move(overlay));
-}
-
 // Draws the views, if they have changed, to VTK's render framebuffer, which keeps them. Then copies them to the display
 // framebuffer and draws the overlay on top. `maxPoints`: see Canvas::render().
 void CanvasScene::draw(std::uint64_t maxPoints) {

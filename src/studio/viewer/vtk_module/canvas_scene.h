@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "gpu/opengl_module/gl_window.h"
@@ -93,7 +94,7 @@ class CanvasScene {
   void setLook(ItemId item, const ItemLook& look);
   void drop(ItemId item);
   void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels);
-  void setOverlay(Overlay overlay);
+  void setOverlay(Overlay overlay) { overlay_.set(std::move(overlay)); }
 
   void draw(std::uint64_t maxPoints);
   // Copies the picture to `pixels` (width * height entries), row by row from the top. Throws if nothing has been drawn.

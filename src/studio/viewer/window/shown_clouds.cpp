@@ -211,10 +211,6 @@ std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& clou
 }
 
 // True if a choice of colours applies to the view: the view is active, or all views are active.
-bool ShownClouds::isAffected(std::size_t view) const {
-  return !activeView || *activeView == view;
-}
-
 void ShownClouds::chooseColor(const ColorBy& by) {
   if (list.empty()) return;
   if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");

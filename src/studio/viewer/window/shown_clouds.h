@@ -78,7 +78,7 @@ struct ShownClouds {
   std::optional<std::vector<std::uint32_t>> filtered(ShownCloud& cloud) const;
   std::optional<ScaleRange> scaleOf(std::size_t view);
   ColorContext contextOf(const ViewScan& scan) const;
-  bool isAffected(std::size_t view) const;
+  bool isAffected(std::size_t view) const { return !activeView || *activeView == view; }
   void listClouds();
 
   SessionContext& context_;
