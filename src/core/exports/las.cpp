@@ -163,44 +163,34 @@ constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classifica
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 
-// Computes return numbers. If the scan lacks the column `return` or `returns`, but knows the beam of each point, counts
-// the points of each beam. A beam's points are in the order of its returns.
-class ReturnNumbers {
- public:
-  explicit ReturnNumbers(const Scan& scan)
-      : scan_(scan), counts_((scan[kReturn].empty() || scan[kReturns].empty()) && knowsBeams(scan)) {
-    if (!counts_) return;
-    extent_ = extentOf(scan);
-    points_.assign(std::size_t{extent_.ring} * extent_.column, 0);
-    visitedPoints_ = points_;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (isFinite(scan.position[i])) ++points_[beamOf(i)];
-    }
+// Returns, for each point, its return number in the lower four bits and the number of returns of its beam in the upper
+// four; 0 for a miss. If the scan lacks the column `return` or `returns`, but knows the beam of each point, the points
+// of each beam are counted, in the order of the scan, which is the order of the beam's returns.
+std::vector<std::uint8_t> returnNumbers(const Scan& scan) {
+  const bool counts = (scan[kReturn].empty() || scan[kReturns].empty()) && knowsBeams(scan);
+  const PointKey extent = counts ? extentOf(scan) : PointKey{};
+  const auto beamOf = [&](std::size_t point) {
+    const PointKey key = keyOf(scan, point);
+    return std::size_t{key.ring} * extent.column + key.column;
+  };
+  std::vector<std::uint32_t> points(std::size_t{extent.ring} * extent.column);  // by beam
+  for (std::size_t i = 0; counts && i < scan.size(); ++i) {
+    if (isFinite(scan.position[i])) ++points[beamOf(i)];
   }
-
-  // Returns a point's return number in the lower four bits, and the number of returns of its beam in the upper four.
-  // Must be called once for each point that is not a miss, in the order of the points.
-  std::uint8_t next(std::size_t point) {
-    std::uint32_t number = counts_ ? ++visitedPoints_[beamOf(point)] : 1;
-    std::uint32_t returns = counts_ ? points_[beamOf(point)] : 1;
-    if (!scan_[kReturn].empty()) number = scan_[kReturn][point];
-    if (!scan_[kReturns].empty()) returns = scan_[kReturns][point];
+  std::vector<std::uint32_t> visitedPoints(points.size());  // by beam
+  std::vector<std::uint8_t> numbers(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!isFinite(scan.position[i])) continue;
+    std::uint32_t number = counts ? ++visitedPoints[beamOf(i)] : 1;
+    std::uint32_t returns = counts ? points[beamOf(i)] : 1;
+    if (!scan[kReturn].empty()) number = scan[kReturn][i];
+    if (!scan[kReturns].empty()) returns = scan[kReturns][i];
     number = std::clamp<std::uint32_t>(number, 1, LasPoints::kMostReturns);
     returns = std::clamp<std::uint32_t>(returns, number, LasPoints::kMostReturns);
-    return static_cast<std::uint8_t>(number | returns << 4);
+    numbers[i] = static_cast<std::uint8_t>(number | returns << 4);
   }
-
- private:
-  std::size_t beamOf(std::size_t point) const {
-    const PointKey key = keyOf(scan_, point);
-    return std::size_t{key.ring} * extent_.column + key.column;
-  }
-
-  const Scan& scan_;
-  bool counts_ = false;
-  PointKey extent_;
-  std::vector<std::uint32_t> points_, visitedPoints_;  // per beam: number of points, and of calls of next()
-};
+  return numbers;
+}
 
 // Appends X, Y and Z of a point at `position` (m, world), and extends the bounds in `points`. Throws InputError if a
 // coordinate is NaN or does not fit into 32 bits.
@@ -230,7 +220,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
   const ColumnSet columns = exportedColumns(plan, scan);
   // The columns that are stored as extra bytes, because no field of the point format represents them completely.
   const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
-  ReturnNumbers returns(scan);
+  const std::vector<std::uint8_t> returns = returnNumbers(scan);
   LasPoints points;
   const Vec3d& sensor = exportScan.record->worldFromSensor.front().translation;
   points.offset = {std::round(sensor.x), std::round(sensor.y), std::round(sensor.z)};
@@ -241,8 +231,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
     putPosition(plan, sample, exportScan, positions.inWorld(i), points, bytes);
     const float intensity = unitIntensity(exportScan, i);
     putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
-    const std::uint8_t numbers = returns.next(i);
-    putNumber(numbers, bytes);
+    putNumber(returns[i], bytes);
     putNumber(kSynthetic, bytes);
     putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.targetId(scan[kLabel][i])), bytes);
     putNumber(std::uint8_t{0}, bytes);  // user data
@@ -252,7 +241,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
     visitTable(scan, [&](auto key, const auto& values) {
       if (extraColumns.has(key)) putNumber(exported(plan.classes, key, values[i]), bytes);
     });
-    ++points.byReturn[(numbers & 0x0F) - 1u];
+    ++points.byReturn[(returns[i] & 0x0F) - 1u];
     ++points.count;
   }
   std::vector<LasExtra> extra;
@@ -269,8 +258,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
 // Throws InputError if an exported scan of the sample has points of a class whose id LAS cannot store.
 void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
   for (const ScanRecord& scan : sample.scans) {
-    const bool isExported =
-        std::ranges::any_of(plan.sensors, [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
+    const bool isExported = std::ranges::find(plan.sensors, scan.sensor, &SensorRecord::name) != plan.sensors.end();
     for (const auto& [id, points] : scan.pointsPerClass) {
       const std::uint16_t target = plan.classes.targetId(id);
       if (!isExported || points == 0 || target <= kMostLasClass) continue;

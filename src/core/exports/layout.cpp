@@ -74,9 +74,8 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& exportScan) {
     const double azimuth = hasRings ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : 0;
     points.push_back({exportScan.sensor->beams.topDown ? ring : -ring, azimuth < 0 ? azimuth + 2 * kPi : azimuth, i});
   }
-  std::ranges::stable_sort(points, [](const OrderedPoint& a, const OrderedPoint& b) {
-    return std::tie(a.ringFromTop, a.azimuth) < std::tie(b.ringFromTop, b.azimuth);
-  });
+  std::ranges::stable_sort(points, {},
+                           [](const OrderedPoint& point) { return std::pair(point.ringFromTop, point.azimuth); });
   std::vector<std::size_t> order;
   order.reserve(points.size());
   for (const OrderedPoint& point : points) order.push_back(point.index);

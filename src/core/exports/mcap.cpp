@@ -98,9 +98,9 @@ class Bag {
   void add(ExportSample sample) {
     for (ExportScan& scan : sample.scans) {
       const std::uint64_t time = timeStamp(scan.record->time);
-      const Pose vehicle = scan.record->worldFromSensor.front() * inverse(mountOf(*scan.sensor, *scan.record));
+      const Pose worldFromVehicle = scan.record->worldFromSensor.front() * inverse(mountOf(*scan.sensor, *scan.record));
       if (poseTimes_.insert(time).second) {
-        const RosTransform pose{time, kWorld, kVehicle, vehicle};
+        const RosTransform pose{time, kWorld, kVehicle, worldFromVehicle};
         file_.addMessage(poses_, time, transformsMessage({&pose, 1}));
       }
       visitTable(scan.scan, [&](auto key, auto& values) {
@@ -178,9 +178,8 @@ class Bag {
   std::string nameOf(const ObjectRecord& object, const SemanticClass& semantic) const {
     std::optional<double> visibility;
     for (const ObjectView& view : object.views) {
-      const bool isExported =
-          std::ranges::any_of(plan_.sensors, [&](const SensorRecord* sensor) { return sensor->name == view.sensor; });
-      if (isExported) visibility = std::max(visibility, view.visibility());
+      if (std::ranges::find(plan_.sensors, view.sensor, &SensorRecord::name) == plan_.sensors.end()) continue;
+      visibility = std::max(visibility, view.visibility());
     }
     const std::string name = fmt::format("{} {}", semantic.name, object.id);
     return visibility ? fmt::format("{}, {:.0f} %", name, 100 * *visibility) : name;

@@ -270,21 +270,6 @@ class Tables {
     return kFirstOther + others_++;
   }
 
-  // Return the token of the row of sample_data for the sensor's revolution before or after the revolution `r` of the
-  // frame `f` of the sequence `s`; empty if the sequence has no such revolution.
-  std::string tokenBefore(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r) const {
-    if (r > 0) return scanToken("sample_data", sampleAt(s, f), sensor, r - 1);
-    if (f == 0) return {};
-    const SampleRecord& previous = sampleAt(s, f - 1);
-    return scanToken("sample_data", previous, sensor, revolutionsOf(plan_, previous, sensor).size() - 1);
-  }
-  std::string tokenAfter(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r) const {
-    const bool isLast = r + 1 == revolutionsOf(plan_, sampleAt(s, f), sensor).size();
-    if (!isLast) return scanToken("sample_data", sampleAt(s, f), sensor, r + 1);
-    if (f + 1 == plan_.sequences[s].samples.size()) return {};
-    return scanToken("sample_data", sampleAt(s, f + 1), sensor, 0);
-  }
-
   std::string scanToken(std::string_view table, const SampleRecord& sample, std::size_t sensor, std::size_t r) const {
     return token(table, nuScenesScan(plan_, sample, sensor, static_cast<std::uint32_t>(r)));
   }
@@ -294,6 +279,15 @@ class Tables {
     const ExportSequence& sequence = plan_.sequences[s];
     const SampleRecord& sample = sampleAt(s, f);
     const std::vector<const ScanRecord*> scans = revolutionsOf(plan_, sample, sensor);
+    // Tokens of the sensor's last scan in the frame before, its scans in this frame, and its first scan in the next
+    // frame; empty where the sequence has no such frame.
+    std::vector<std::string> tokens(scans.size() + 2);
+    if (f > 0) {
+      const SampleRecord& previous = sampleAt(s, f - 1);
+      tokens.front() = scanToken("sample_data", previous, sensor, revolutionsOf(plan_, previous, sensor).size() - 1);
+    }
+    for (std::size_t r = 0; r < scans.size(); ++r) tokens[r + 1] = scanToken("sample_data", sample, sensor, r);
+    if (f + 1 < sequence.samples.size()) tokens.back() = scanToken("sample_data", sampleAt(s, f + 1), sensor, 0);
     for (std::size_t r = 0; r < scans.size(); ++r) {
       const ScanRecord& scan = *scans[r];
       const std::int64_t time = nuScenesTime(s, scan);
@@ -303,7 +297,7 @@ class Tables {
                        {"timestamp", time},
                        {"rotation", listOf(worldFromVehicle.rotation, sample.key)},
                        {"translation", listOf(worldFromVehicle.translation, sample.key)}});
-      add("sample_data", {{"token", scanToken("sample_data", sample, sensor, r)},
+      add("sample_data", {{"token", tokens[r + 1]},
                           {"sample_token", token("sample", sample.key)},
                           {"ego_pose_token", pose},
                           {"calibrated_sensor_token", mountToken(sensor, sequence)},
@@ -313,11 +307,11 @@ class Tables {
                           {"height", 0},
                           {"width", 0},
                           {"filename", pointsFile(plan_, s, sample, sensor, scan).generic_string()},
-                          {"prev", tokenBefore(s, f, sensor, r)},
-                          {"next", tokenAfter(s, f, sensor, r)}});
+                          {"prev", tokens[r]},
+                          {"next", tokens[r + 2]}});
     }
     // The devkit finds the labels of the first scan by the scan's token, so the row of the labels has the same token.
-    const std::string keyFrame = scanToken("sample_data", sample, sensor, 0);
+    const std::string& keyFrame = tokens[1];
     const auto addLabels = [&](const char* table, NuScenesLabels kind) {
       if (!rows_.has(table)) return;
       const std::string file = labelFile(plan_, sample, sensor, kind).generic_string();

@@ -113,7 +113,7 @@ class Cdr {
  public:
   template <class T>
   Cdr& number(T value) {
-    align(sizeof(T));
+    while ((bytes_.size() - kEncodingBytes) % sizeof(T) != 0) bytes_ += '\0';
     putNumber(value, bytes_);
     return *this;
   }
@@ -150,26 +150,9 @@ class Cdr {
   std::string take() { return std::move(bytes_); }
 
  private:
-  void align(std::size_t size) {
-    while ((bytes_.size() - kEncodingBytes) % size != 0) bytes_ += '\0';
-  }
-
   static constexpr std::size_t kEncodingBytes = 4;
   std::string bytes_ = std::string("\0\1\0\0", kEncodingBytes);
 };
-
-void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& marker, Cdr& out) {
-  out.header(time, frame).text(marker.nameSpace).number(marker.id);
-  out.number(static_cast<std::int32_t>(marker.shape)).number(static_cast<std::int32_t>(marker.action));
-  out.pose(marker.pose).vector(marker.scale);
-  for (const float channel : marker.color) out.number(channel);
-  out.time(0).number(false);            // lifetime (0: infinite); frame_locked
-  out.count(0).count(0);                // points, colors
-  out.text("").header(0, "").text("");  // texture_resource; texture: header, format
-  out.count(0).count(0);                // texture: data; uv_coordinates
-  out.text(marker.text).text("");       // mesh_resource
-  out.text("").count(0).number(false);  // mesh_file: filename, data; mesh_use_embedded_materials
-}
 
 // PointField's number for T, the type of a column.
 template <class T>
@@ -223,7 +206,18 @@ std::string transformsMessage(std::span<const RosTransform> transforms) {
 std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers) {
   Cdr out;
   out.count(markers.size());
-  for (const RosMarker& marker : markers) putMarker(time, frame, marker, out);
+  for (const RosMarker& marker : markers) {
+    out.header(time, frame).text(marker.nameSpace).number(marker.id);
+    out.number(static_cast<std::int32_t>(marker.shape)).number(static_cast<std::int32_t>(marker.action));
+    out.pose(marker.pose).vector(marker.scale);
+    for (const float channel : marker.color) out.number(channel);
+    out.time(0).number(false);            // lifetime (0: infinite); frame_locked
+    out.count(0).count(0);                // points, colors
+    out.text("").header(0, "").text("");  // texture_resource; texture: header, format
+    out.count(0).count(0);                // texture: data; uv_coordinates
+    out.text(marker.text).text("");       // mesh_resource
+    out.text("").count(0).number(false);  // mesh_file: filename, data; mesh_use_embedded_materials
+  }
   return out.take();
 }
 
