@@ -12,6 +12,14 @@ namespace scanmill {
 // must compute the same for an index in every range, and may write only to what belongs to its range.
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
+// Calls body(index) for each index in [0, count), by parallelFor().
+template <class Body>
+void parallelForEach(std::size_t count, std::size_t grain, const Body& body) {
+  parallelFor(count, grain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t index = first; index < last; ++index) body(index);
+  });
+}
+
 // Calls work(), in which a library runs loops of oneTBB. While this thread waits for such a loop, it starts no
 // unrelated task, which could wait for a lock that this thread holds. parallelFor() needs no such call. Within
 // withWaiters(), threads that wait take part in these loops, too.

@@ -86,11 +86,9 @@ Resolver::Resolver(const Scene& scene) : scene_(scene) {
     const Mesh& mesh = scene.meshes[m];
     const auto firstSurface = static_cast<std::uint32_t>(surfaces_.size());
     for (const Surface& s : mesh.surfaces) surfaces_.push_back({s.object, s.semantic, s.material});
-    parallelFor(mesh.triangles.size(), kResolverGrain, [&](std::size_t first, std::size_t end) {
-      for (std::size_t t = first; t < end; ++t) {
-        const auto [a, b, c] = cornersOf(mesh, static_cast<std::uint32_t>(t));
-        faces_[firstFaces[m] + t] = {normalized(cross(b - a, c - a)), firstSurface + mesh.surfaceOf[t]};
-      }
+    parallelForEach(mesh.triangles.size(), kResolverGrain, [&](std::size_t t) {
+      const auto [a, b, c] = cornersOf(mesh, static_cast<std::uint32_t>(t));
+      faces_[firstFaces[m] + t] = {normalized(cross(b - a, c - a)), firstSurface + mesh.surfaceOf[t]};
     });
   }
   instances_.emplace_back();

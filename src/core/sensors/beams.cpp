@@ -122,30 +122,28 @@ void fillBeams(BeamTable& table) {
   table.direction.resize(table.size());
   table.origin.resize(offAxis ? table.size() : 0);
   table.time.resize(table.size());
-  parallelFor(table.rings, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t ring = first; ring < last; ++ring) {
-      const double cosOffset = std::cos(table.azimuthOffset[ring]);
-      const double sinOffset = std::sin(table.azimuthOffset[ring]);
-      const double cosElevation = std::cos(table.elevation[ring]);
-      const double sinElevation = std::sin(table.elevation[ring]);
-      const double leftShift = table.originLeft.empty() ? 0 : table.originLeft[ring];
-      const double upShift = table.originUp.empty() ? 0 : table.originUp[ring];
-      for (std::size_t column = 0; column < columns; ++column) {
-        const std::size_t beam = ring * columns + column;
-        // The beam's horizontal direction (x, y): the column's azimuth plus the ring's offset.
-        const double x = cosAzimuth[column] * cosOffset - sinAzimuth[column] * sinOffset;
-        const double y = sinAzimuth[column] * cosOffset + cosAzimuth[column] * sinOffset;
-        table.direction[beam] = {x * cosElevation, y * cosElevation, sinElevation};
-        table.time[beam] =
-            static_cast<float>(table.columnTime(static_cast<std::uint32_t>(column)) + table.firingOffset[ring]);
-        if (offAxis) {
-          Vec3d origin{table.originOffset * cosAzimuth[column], table.originOffset * sinAzimuth[column],
-                       table.originHeight};
-          if (shifted)
-            origin = origin + Vec3d{-y, x, 0} * leftShift +
-                     Vec3d{-x * sinElevation, -y * sinElevation, cosElevation} * upShift;
-          table.origin[beam] = static_cast<Vec3f>(origin);
-        }
+  parallelForEach(table.rings, 1, [&](std::size_t ring) {
+    const double cosOffset = std::cos(table.azimuthOffset[ring]);
+    const double sinOffset = std::sin(table.azimuthOffset[ring]);
+    const double cosElevation = std::cos(table.elevation[ring]);
+    const double sinElevation = std::sin(table.elevation[ring]);
+    const double leftShift = table.originLeft.empty() ? 0 : table.originLeft[ring];
+    const double upShift = table.originUp.empty() ? 0 : table.originUp[ring];
+    for (std::size_t column = 0; column < columns; ++column) {
+      const std::size_t beam = ring * columns + column;
+      // The beam's horizontal direction (x, y): the column's azimuth plus the ring's offset.
+      const double x = cosAzimuth[column] * cosOffset - sinAzimuth[column] * sinOffset;
+      const double y = sinAzimuth[column] * cosOffset + cosAzimuth[column] * sinOffset;
+      table.direction[beam] = {x * cosElevation, y * cosElevation, sinElevation};
+      table.time[beam] =
+          static_cast<float>(table.columnTime(static_cast<std::uint32_t>(column)) + table.firingOffset[ring]);
+      if (offAxis) {
+        Vec3d origin{table.originOffset * cosAzimuth[column], table.originOffset * sinAzimuth[column],
+                     table.originHeight};
+        if (shifted)
+          origin = origin + Vec3d{-y, x, 0} * leftShift +
+                   Vec3d{-x * sinElevation, -y * sinElevation, cosElevation} * upShift;
+        table.origin[beam] = static_cast<Vec3f>(origin);
       }
     }
   });

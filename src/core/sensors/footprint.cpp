@@ -70,28 +70,26 @@ Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
   table->direction.assign(table->size(), {});
   const bool wideExit = beams.exitWidth[0] > 0 || beams.exitWidth[1] > 0;
   table->origin.assign(wideExit || !beams.origin.empty() ? table->size() : 0, {});
-  parallelFor(beams.size(), 1024, [&](std::size_t first, std::size_t last) {
-    for (std::size_t beam = first; beam < last; ++beam) {
-      const Vec3d direction = beams.direction[beam];
-      const Vec3d origin = beams.originOf(beam);
-      // Two unit vectors perpendicular to the beam: one horizontal, one upwards.
-      const double horizontal = std::hypot(direction.x, direction.y);
-      const Vec3d across =
-          horizontal > 1e-9 ? Vec3d{-direction.y / horizontal, direction.x / horizontal, 0} : Vec3d{0, 1, 0};
-      const Vec3d up = cross(direction, across);
-      const RandomBlock words = randomBlock({.beam = static_cast<std::uint32_t>(beam), .purpose = Purpose::Footprint});
-      const double rotation = 2 * kPi * uniform(words[0]);
-      const double c = std::cos(rotation);
-      const double s = std::sin(rotation);
-      for (std::uint32_t k = 0; k < raysPerBeam; ++k) {
-        const double x = c * grid[k].x - s * grid[k].y;
-        const double y = s * grid[k].x + c * grid[k].y;
-        const std::size_t ray = beam * raysPerBeam + k;
-        table->direction[ray] =
-            normalized(direction + across * (x * beams.divergence[0] / 2) + up * (y * beams.divergence[1] / 2));
-        if (table->origin.empty()) continue;
-        table->origin[ray] = Vec3f(origin + across * (x * beams.exitWidth[0] / 2) + up * (y * beams.exitWidth[1] / 2));
-      }
+  parallelForEach(beams.size(), 1024, [&](std::size_t beam) {
+    const Vec3d direction = beams.direction[beam];
+    const Vec3d origin = beams.originOf(beam);
+    // Two unit vectors perpendicular to the beam: one horizontal, one upwards.
+    const double horizontal = std::hypot(direction.x, direction.y);
+    const Vec3d across =
+        horizontal > 1e-9 ? Vec3d{-direction.y / horizontal, direction.x / horizontal, 0} : Vec3d{0, 1, 0};
+    const Vec3d up = cross(direction, across);
+    const RandomBlock words = randomBlock({.beam = static_cast<std::uint32_t>(beam), .purpose = Purpose::Footprint});
+    const double rotation = 2 * kPi * uniform(words[0]);
+    const double c = std::cos(rotation);
+    const double s = std::sin(rotation);
+    for (std::uint32_t k = 0; k < raysPerBeam; ++k) {
+      const double x = c * grid[k].x - s * grid[k].y;
+      const double y = s * grid[k].x + c * grid[k].y;
+      const std::size_t ray = beam * raysPerBeam + k;
+      table->direction[ray] =
+          normalized(direction + across * (x * beams.divergence[0] / 2) + up * (y * beams.divergence[1] / 2));
+      if (table->origin.empty()) continue;
+      table->origin[ray] = Vec3f(origin + across * (x * beams.exitWidth[0] / 2) + up * (y * beams.exitWidth[1] / 2));
     }
   });
   Footprint footprint{std::move(table), {}};

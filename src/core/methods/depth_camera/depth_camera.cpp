@@ -177,18 +177,16 @@ RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, cons
                  .beam = std::vector<std::uint32_t>(count),
                  .minRange = table.minRange,
                  .maxRange = table.maxRange};
-  parallelFor(table.rings, kGrain / width + 1, [&](std::size_t firstRing, std::size_t endRing) {
-    for (std::size_t ring = firstRing; ring < endRing; ++ring) {
-      for (std::size_t c = 0; c < width; ++c) {
-        const std::size_t i = ring * width + c;
-        const std::size_t beam = ring * table.columns + first + c;
-        const ColumnPose& pose = poses[c];
-        beams.beam[i] = static_cast<std::uint32_t>(beam);
-        beams.direction[i] = pose.isIdentity ? table.direction[beam] : pose.rotation * table.direction[beam];
-        if (!hasOrigins) continue;
-        const Vec3d origin = table.originOf(beam);
-        beams.origin[i] = pose.isIdentity ? origin : pose.rotation * origin + pose.translation;
-      }
+  parallelForEach(table.rings, kGrain / width + 1, [&](std::size_t ring) {
+    for (std::size_t c = 0; c < width; ++c) {
+      const std::size_t i = ring * width + c;
+      const std::size_t beam = ring * table.columns + first + c;
+      const ColumnPose& pose = poses[c];
+      beams.beam[i] = static_cast<std::uint32_t>(beam);
+      beams.direction[i] = pose.isIdentity ? table.direction[beam] : pose.rotation * table.direction[beam];
+      if (!hasOrigins) continue;
+      const Vec3d origin = table.originOf(beam);
+      beams.origin[i] = pose.isIdentity ? origin : pose.rotation * origin + pose.translation;
     }
   });
   return beams;

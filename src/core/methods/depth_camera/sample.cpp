@@ -171,17 +171,13 @@ class Sampler {
   // Fetches the batch's pixels, and rounds depths as a z-buffer would. Half500 rounds points and is applied later.
   void fetch(const Batch& batch) {
     addresses_.resize(batch.count);
-    parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        addresses_[i] = batch.view[i] == kNoView ? kNoPixel : views_[batch.view[i]].addressAt(batch.u[i], batch.v[i]);
-      }
+    parallelForEach(batch.count, kSampleGrain, [&](std::size_t i) {
+      addresses_[i] = batch.view[i] == kNoView ? kNoPixel : views_[batch.view[i]].addressAt(batch.u[i], batch.v[i]);
     });
     source_.fetch(addresses_, choice_, planes_);
     if (options_.depth != DepthFormat::Unorm24 && options_.depth != DepthFormat::Unorm16) return;
-    parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        planes_.depth[i] = storedDepth(planes_.depth[i], options_.depth, options_.nearest, options_.farthest);
-      }
+    parallelForEach(batch.count, kSampleGrain, [&](std::size_t i) {
+      planes_.depth[i] = storedDepth(planes_.depth[i], options_.depth, options_.nearest, options_.farthest);
     });
   }
 

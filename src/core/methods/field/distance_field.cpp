@@ -23,36 +23,6 @@ int levelAt(const DistanceField& field, const Vec3f& point) {
   return level;
 }
 
-struct VoxelPosition {
-  std::uint32_t brick;                 // entry of DistanceField::table
-  std::array<std::uint32_t, 3> voxel;  // coordinates of the voxel in the brick
-  std::array<float, 3> inVoxel;        // position in the voxel, 0 to 1
-};
-
-VoxelPosition voxelAt(const DistanceField& field, const Vec3f& point) {
-  const FieldLevel& level = field.levels[static_cast<std::size_t>(levelAt(field, point))];
-  const float coordinates[3] = {point.x, point.y, point.z};
-  VoxelPosition position{};
-  std::uint32_t entry = level.firstEntry;
-  std::uint32_t stride = 1;  // number of table entries from a brick to the next one along axis k
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float u = std::max(coordinates[k] * level.scale + level.offset[k], 0.0f);
-    const std::uint32_t corner = std::min(static_cast<std::uint32_t>(u), level.bricks[k] * kBrickVoxels - 1);
-    position.voxel[k] = corner % kBrickVoxels;
-    position.inVoxel[k] = u - static_cast<float>(corner);
-    entry += corner / kBrickVoxels * stride;
-    stride *= level.bricks[k];
-  }
-  position.brick = field.table[entry];
-  return position;
-}
-
-// Returns the index of a corner in the arrays of full bricks. `brick`: the brick's table entry; x, y, z: coordinates of
-// the corner in the brick (0 to 8).
-std::size_t cornerIndex(std::uint32_t brick, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  return std::size_t{brick - kFullBrick} * kBrickStride + (z * kBrickCorners + y) * kBrickCorners + x;
-}
-
 constexpr std::uint32_t kNewBrick = 0xFFFFFFFFu;  // table entry of a full brick that has no index in a pool yet
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;      // means "no index"
 constexpr float kEmptyWorldDistance = 1e30f;      // voxels, the distance to surfaces in an empty world
@@ -291,17 +261,15 @@ class Builder {
   // Copies the bricks that are taken from the earlier pool, and the lists of all bricks, to their indices in the pool.
   // placeLists() must have been called if the field has lists.
   void copyBricksAndLists() {
-    parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::uint32_t copiedFrom = bricks_[i].copiedFrom;
-        const std::size_t firstCorner = (firstPoolIndex_ + i) * kBrickStride;
-        if (copiedFrom != kNone) {
-          const std::size_t firstCopied = std::size_t{copiedFrom} * kBrickStride;
-          std::copy_n(&earlierPool_->distance[firstCopied], kBrickStride, &pool_->distance[firstCorner]);
-          std::copy_n(&earlierPool_->triangleOrList[firstCopied], kBrickStride, &pool_->triangleOrList[firstCorner]);
-        }
-        if (field_->shape.lists) copyLists(i);
+    parallelForEach(bricks_.size(), kBricksPerTask, [&](std::size_t i) {
+      const std::uint32_t copiedFrom = bricks_[i].copiedFrom;
+      const std::size_t firstCorner = (firstPoolIndex_ + i) * kBrickStride;
+      if (copiedFrom != kNone) {
+        const std::size_t firstCopied = std::size_t{copiedFrom} * kBrickStride;
+        std::copy_n(&earlierPool_->distance[firstCopied], kBrickStride, &pool_->distance[firstCorner]);
+        std::copy_n(&earlierPool_->triangleOrList[firstCopied], kBrickStride, &pool_->triangleOrList[firstCorner]);
       }
+      if (field_->shape.lists) copyLists(i);
     });
   }
 
@@ -368,10 +336,24 @@ double voxelSizeAt(const DistanceField& field, const Vec3f& point) {
 }
 
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& point) {
-  const VoxelPosition position = voxelAt(field, point);
-  if (position.brick < kFullBrick) return kNoTriangle;
-  const auto nearest = [&](std::size_t k) { return position.voxel[k] + (position.inVoxel[k] >= 0.5f ? 1 : 0); };
-  return field.triangleOrList[cornerIndex(position.brick, nearest(0), nearest(1), nearest(2))];
+  const FieldLevel& level = field.levels[static_cast<std::size_t>(levelAt(field, point))];
+  const float coordinates[3] = {point.x, point.y, point.z};
+  std::uint32_t entry = level.firstEntry;  // index in DistanceField::table of the point's brick
+  std::uint32_t entryStride = 1;           // number of entries from a brick to the next one along axis k
+  std::uint32_t nearest = 0;               // index of the nearest corner among the brick's corners
+  std::uint32_t cornerStride = 1;          // number of corners from a corner to the next one along axis k
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float u = std::max(coordinates[k] * level.scale + level.offset[k], 0.0f);
+    const std::uint32_t voxel = std::min(static_cast<std::uint32_t>(u), level.bricks[k] * kBrickVoxels - 1);
+    const bool isUpper = u - static_cast<float>(voxel) >= 0.5f;  // in the upper half of the voxel
+    entry += voxel / kBrickVoxels * entryStride;
+    entryStride *= level.bricks[k];
+    nearest += (voxel % kBrickVoxels + (isUpper ? 1 : 0)) * cornerStride;
+    cornerStride *= kBrickCorners;
+  }
+  const std::uint32_t brick = field.table[entry];
+  if (brick < kFullBrick) return kNoTriangle;
+  return field.triangleOrList[std::size_t{brick - kFullBrick} * kBrickStride + nearest];
 }
 
 }  // namespace scanmill

@@ -36,14 +36,12 @@ using DeviceTriangle = std::array<std::array<float, 4>, 3>;
 std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
   constexpr std::size_t kGrain = 16384;  // triangles per task
   std::vector<DeviceTriangle> triangles(block.corners.size());
-  parallelFor(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const Triangle& corners = block.corners[t];
-      const Vec3f a = block.vertices[corners[0]];
-      const Vec3f ab = block.vertices[corners[1]] - a;
-      const Vec3f ac = block.vertices[corners[2]] - a;
-      triangles[t] = {{{a.x, a.y, a.z, 0}, {ab.x, ab.y, ab.z, 0}, {ac.x, ac.y, ac.z, 0}}};
-    }
+  parallelForEach(triangles.size(), kGrain, [&](std::size_t t) {
+    const Triangle& corners = block.corners[t];
+    const Vec3f a = block.vertices[corners[0]];
+    const Vec3f ab = block.vertices[corners[1]] - a;
+    const Vec3f ac = block.vertices[corners[2]] - a;
+    triangles[t] = {{{a.x, a.y, a.z, 0}, {ab.x, ab.y, ab.z, 0}, {ac.x, ac.y, ac.z, 0}}};
   });
   return triangles;
 }

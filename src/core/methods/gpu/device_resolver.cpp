@@ -91,12 +91,10 @@ class MaterialTables {
     const std::size_t first = tables_.texels.size();
     const std::size_t count = std::size_t{texture.width} * texture.height;
     tables_.texels.resize(first + count);
-    parallelFor(count, kTableGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::uint8_t* texel = &texture.rgba[4 * i];
-        tables_.texels[first + i] = bits(base.texture != nullptr ? base.ofTexel(texel) : base.reflectance) |
-                                    (hasHoles && letsPass(material, texel) ? kLetsPass : 0u);
-      }
+    parallelForEach(count, kTableGrain, [&](std::size_t i) {
+      const std::uint8_t* texel = &texture.rgba[4 * i];
+      tables_.texels[first + i] = bits(base.texture != nullptr ? base.ofTexel(texel) : base.reflectance) |
+                                  (hasHoles && letsPass(material, texel) ? kLetsPass : 0u);
     });
   }
 
@@ -120,15 +118,13 @@ TexturedTriangle texturedTriangle(const TriangleBlock& block, std::uint32_t tria
 // Fills LabelTables::records and LabelTables::textured. The tables must have the materials already.
 void addTriangles(const TriangleBlock& block, LabelTables& tables) {
   tables.records.resize(block.triangles.size());
-  parallelFor(block.triangles.size(), kTableGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const BlockTriangle& triangle = block.triangles[t];
-      const HitSurface& surface = block.surfaces[triangle.surface];
-      tables.records[t] = {
-          wordOf(triangle.normal.x, triangle.normal.y),
-          wordOf(triangle.normal.z, triangle.offset),
-          {surface.instance, surface.semantic | std::uint32_t{surface.material} << 16, triangle.primitive, 0}};
-    }
+  parallelForEach(block.triangles.size(), kTableGrain, [&](std::size_t t) {
+    const BlockTriangle& triangle = block.triangles[t];
+    const HitSurface& surface = block.surfaces[triangle.surface];
+    tables.records[t] = {
+        wordOf(triangle.normal.x, triangle.normal.y),
+        wordOf(triangle.normal.z, triangle.offset),
+        {surface.instance, surface.semantic | std::uint32_t{surface.material} << 16, triangle.primitive, 0}};
   });
   for (std::uint32_t t = 0; t < block.triangles.size(); ++t) {
     if (tables.materials[block.surfaceOf(t).material][3] == 0) continue;

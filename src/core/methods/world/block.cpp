@@ -40,12 +40,10 @@ void appendTriangles(TriangleBlock& block, const Scene& scene, const BlockSource
 }
 
 void fillVertices(TriangleBlock& block, const std::vector<BlockSource>& sources) {
-  parallelFor(sources.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const BlockSource& source = sources[i];
-      for (std::size_t v = 0; v < source.mesh->positions.size(); ++v) {
-        block.vertices[source.firstVertex + v] = Vec3f(source.blockFromMesh * Vec3d(source.mesh->positions[v]));
-      }
+  parallelForEach(sources.size(), 1, [&](std::size_t i) {
+    const BlockSource& source = sources[i];
+    for (std::size_t v = 0; v < source.mesh->positions.size(); ++v) {
+      block.vertices[source.firstVertex + v] = Vec3f(source.blockFromMesh * Vec3d(source.mesh->positions[v]));
     }
   });
 }
@@ -54,15 +52,13 @@ void fillVertices(TriangleBlock& block, const std::vector<BlockSource>& sources)
 // vertices. The source of a triangle is the last source whose first vertex is not after the triangle's first corner.
 void fillPlanes(TriangleBlock& block, const std::vector<BlockSource>& sources) {
   constexpr std::size_t kGrain = 4096;  // triangles per task
-  parallelFor(block.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const auto next = std::ranges::upper_bound(sources, block.corners[t][0], {}, &BlockSource::firstVertex);
-      const BlockSource& source = *std::prev(next);
-      BlockTriangle& triangle = block.triangles[t];
-      const auto [a, b, c] = cornersOf(source.blockFromMesh, *source.mesh, triangle.primitive);
-      triangle.normal = normalized(cross(b - a, c - a));
-      triangle.offset = dot(triangle.normal, a);
-    }
+  parallelForEach(block.triangles.size(), kGrain, [&](std::size_t t) {
+    const auto next = std::ranges::upper_bound(sources, block.corners[t][0], {}, &BlockSource::firstVertex);
+    const BlockSource& source = *std::prev(next);
+    BlockTriangle& triangle = block.triangles[t];
+    const auto [a, b, c] = cornersOf(source.blockFromMesh, *source.mesh, triangle.primitive);
+    triangle.normal = normalized(cross(b - a, c - a));
+    triangle.offset = dot(triangle.normal, a);
   });
 }
 

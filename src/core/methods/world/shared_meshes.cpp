@@ -90,19 +90,17 @@ void SharedMeshes::addPart(const Mesh& mesh, const Box& bounds, std::vector<std:
 }
 
 void SharedMeshes::build(std::span<const std::size_t> numbers) const {
-  parallelFor(numbers.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      Part& part = parts_[numbers[i]];
-      Part::State missing = Part::State::Missing;
-      if (!part.state.compare_exchange_strong(missing, Part::State::InProgress)) continue;
-      try {
-        buildPart(part);
-      } catch (...) {
-        part.failure = std::current_exception();  // rethrown in each thread that needs the part
-      }
-      part.state = Part::State::Finished;
-      part.state.notify_all();
+  parallelForEach(numbers.size(), 1, [&](std::size_t i) {
+    Part& part = parts_[numbers[i]];
+    Part::State missing = Part::State::Missing;
+    if (!part.state.compare_exchange_strong(missing, Part::State::InProgress)) return;
+    try {
+      buildPart(part);
+    } catch (...) {
+      part.failure = std::current_exception();  // rethrown in each thread that needs the part
     }
+    part.state = Part::State::Finished;
+    part.state.notify_all();
   });
   for (const std::size_t number : numbers) {
     Part& part = parts_[number];

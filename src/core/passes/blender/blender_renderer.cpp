@@ -51,10 +51,8 @@ class TriangleSource : public PixelSource {
 
   void fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) override {
     fetched_.resize(addresses.size());
-    parallelFor(addresses.size(), kFrameGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        fetched_[i] = addresses[i] < triangles_.size() ? triangles_[addresses[i]] : VisibleTriangle{};
-      }
+    parallelForEach(addresses.size(), kFrameGrain, [&](std::size_t i) {
+      fetched_[i] = addresses[i] < triangles_.size() ? triangles_[addresses[i]] : VisibleTriangle{};
     });
     resolver_->resolve(cameras_, addresses, fetched_, requested, planes);
   }
@@ -219,16 +217,14 @@ class BlenderRenderer : public PassRenderer {
           drawnPixels);
     }
     const ExactDepth exact(scene_, camera);
-    parallelFor(camera.height, 1 + kFrameGrain / camera.width, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row) {
-        for (std::size_t column = 0; column < camera.width; ++column) {
-          const BlenderPixel& pixel = pixels[row * reader.width() + column];
-          if (!hasDepth(pixel) || pixel.object() == 0) continue;
-          const BlenderObject& object = objects_.at(pixel.object() - 1);
-          VisibleTriangle& visible = triangles[row * camera.width + column];
-          visible = {pixel.depth, object.instance, object.firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
-          visible.depth = std::clamp(exact.depthAt(column, row, visible), nearest, farthest);
-        }
+    parallelForEach(camera.height, 1 + kFrameGrain / camera.width, [&](std::size_t row) {
+      for (std::size_t column = 0; column < camera.width; ++column) {
+        const BlenderPixel& pixel = pixels[row * reader.width() + column];
+        if (!hasDepth(pixel) || pixel.object() == 0) continue;
+        const BlenderObject& object = objects_.at(pixel.object() - 1);
+        VisibleTriangle& visible = triangles[row * camera.width + column];
+        visible = {pixel.depth, object.instance, object.firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
+        visible.depth = std::clamp(exact.depthAt(column, row, visible), nearest, farthest);
       }
     });
   }

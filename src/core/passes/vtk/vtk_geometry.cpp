@@ -217,10 +217,8 @@ ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBat
     scale = std::max({scale, length(axes.x), length(axes.y), length(axes.z)});
   }
   std::vector<MeshPieces> meshes(scene.meshes.size());
-  parallelFor(meshes.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) {
-      if (largestScale[m] > 0) meshes[m] = divideMesh(scene.meshes[m], largestScale[m], cutoutOf);
-    }
+  parallelForEach(meshes.size(), 1, [&](std::size_t m) {
+    if (largestScale[m] > 0) meshes[m] = divideMesh(scene.meshes[m], largestScale[m], cutoutOf);
   });
   std::uint64_t solidTriangles = 0;
   std::uint64_t cutTriangles = 0;

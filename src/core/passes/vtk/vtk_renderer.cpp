@@ -13,7 +13,6 @@
 #include <new>
 #include <semaphore>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "base/error.h"
@@ -35,9 +34,7 @@ struct Candidate {
   std::uint32_t chunk;
   std::uint32_t frame;
 
-  bool operator<(const Candidate& o) const {
-    return std::tie(distance, chunk, frame) < std::tie(o.distance, o.chunk, o.frame);
-  }
+  auto operator<=>(const Candidate&) const = default;
 };
 
 // A half-space. A point p is inside if normal . p + offset >= 0.
@@ -328,12 +325,10 @@ class VtkSource : public PixelSource {
     constexpr std::size_t kGrain = 4096;  // pixels per task
     std::vector<VisibleTriangle> triangles(addresses.size());
     const std::vector<std::uint32_t> numbers = readNumbers(addresses);
-    parallelFor(addresses.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        if (numbers[i] == 0) continue;
-        const std::size_t image = imageOf(firsts_, addresses[i]);
-        triangles[i] = views_[image].triangleAt(addresses[i] - firsts_[image], numbers[i]);
-      }
+    parallelForEach(addresses.size(), kGrain, [&](std::size_t i) {
+      if (numbers[i] == 0) return;
+      const std::size_t image = imageOf(firsts_, addresses[i]);
+      triangles[i] = views_[image].triangleAt(addresses[i] - firsts_[image], numbers[i]);
     });
     device_.resolver.resolve(cameras_, addresses, triangles, requested, planes);
   }
