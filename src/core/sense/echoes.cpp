@@ -319,17 +319,10 @@ class EchoFinder {
 }  // namespace
 
 Reason causeOf(RayPath path) {
-  switch (path) {
-    case RayPath::ThroughGlass:
-      return Reason::ThroughGlass;
-    case RayPath::Mirrored:
-      return Reason::Mirrored;
-    case RayPath::EgoVehicle:
-      return Reason::EgoVehicle;
-    case RayPath::Direct:
-      break;
-  }
-  return Reason::Surface;
+  return path == RayPath::ThroughGlass ? Reason::ThroughGlass
+         : path == RayPath::Mirrored   ? Reason::Mirrored
+         : path == RayPath::EgoVehicle ? Reason::EgoVehicle
+                                       : Reason::Surface;
 }
 
 std::vector<Echo> findEchoes(const Hits& hits, std::span<const float> power, double pulseLength) {

@@ -35,12 +35,6 @@ std::size_t mostPoolsOf(const ParticleOptions& options) {
   return std::max(static_cast<std::size_t>(std::min(fittingPools, usefulPools)), kFewestPools);
 }
 
-// Returns the squared distance between the centres of two fields (m^2).
-double distance2(const FieldShape& a, const FieldShape& b) {
-  const Vec3d gap = a.centre - b.centre;
-  return dot(gap, gap);
-}
-
 }  // namespace
 
 struct FieldStore::Construction {
@@ -121,8 +115,8 @@ void FieldStore::build(Construction& construction, StageClock& clock) const {
       }
     }
     // Threads work on drives that are far apart, so the nearest field belongs to the same drive.
-    std::ranges::stable_sort(earlierFields, {},
-                             [&](const auto& field) { return distance2(field->shape, construction.shape); });
+    std::ranges::stable_sort(
+        earlierFields, {}, [&](const auto& field) { return length(field->shape.centre - construction.shape.centre); });
     const WallTimer timer;
     withWaiters([&] { construction.field = buildField(*construction.world, construction.shape, earlierFields); });
     clock.add(earlierFields.empty() ? "field_build" : "field_update", timer.seconds());

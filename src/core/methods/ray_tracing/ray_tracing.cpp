@@ -26,22 +26,9 @@ namespace {
 // hits of rings are farther apart than hits of columns. Affects only the speed; the value was not measured.
 constexpr double kRingWeight = 3.5;
 
-// The map `ray_tracing: {...}` of a pipeline. All values of `instancing` give the same hits, up to float32 rounding.
-struct RayTracingOptions {
-  Instancing instancing = Instancing::Auto;
-  double simplify = 1;  // fraction of each mesh's triangles that is kept; 1: all
-};
-
+// All values of `instancing` give the same hits, up to float32 rounding.
 constexpr std::pair<const char*, Instancing> kInstancings[] = {
     {"auto", Instancing::Auto}, {"always", Instancing::Always}, {"never", Instancing::Never}};
-
-RayTracingOptions readRayTracingOptions(Fields& fields) {
-  RayTracingOptions options;
-  options.instancing = namedChoice(fields, "instancing", kInstancings, options.instancing).second;
-  options.simplify = fields.number("simplify", {0.01, 1}, 1);
-  fields.finish();
-  return options;
-}
 
 // Returns the number of columns for which a packet's tile spans the smallest angle, where angles between rings count
 // kRingWeight times: packets trace fastest when their beams are close together.
@@ -74,12 +61,12 @@ std::vector<Tile> packetsOf(const BeamTable& beams) {
 
 class RayTracing : public Method {
  public:
-  RayTracing(const Scene& scene, const RayTracingOptions& options)
+  // `simplify`: fraction of each mesh's triangles that is kept; 1: all.
+  RayTracing(const Scene& scene, Instancing instancing, double simplify)
       : original_(scene),
-        simplified_(options.simplify < 1 ? std::make_unique<const Scene>(simplified(scene, options.simplify))
-                                         : nullptr),
+        simplified_(simplify < 1 ? std::make_unique<const Scene>(simplified(scene, simplify)) : nullptr),
         scene_(simplified_ ? *simplified_ : scene),
-        worlds_(scene_, options.instancing, {tieFilter, alphaTieFilter, thingFilter}),
+        worlds_(scene_, instancing, {tieFilter, alphaTieFilter, thingFilter}),
         materials_(compactMaterials(scene_)) {}
 
   TraceAccount prepare(const Shot& shot) const override {
@@ -147,7 +134,10 @@ class RayTracing : public Method {
 }  // namespace
 
 std::unique_ptr<Method> makeRayTracing(const Scene& scene, Fields& options) {
-  return std::make_unique<RayTracing>(scene, readRayTracingOptions(options));
+  const Instancing instancing = namedChoice(options, "instancing", kInstancings, Instancing::Auto).second;
+  const double simplify = options.number("simplify", {0.01, 1}, 1);
+  options.finish();
+  return std::make_unique<RayTracing>(scene, instancing, simplify);
 }
 
 }  // namespace scanmill
