@@ -5,7 +5,7 @@
     render FOLDER        takes requests, each a line of JSON on standard input: {"scene": FOLDER} for the scene that
                          scene.json and scene.bin hold there, then one with "file" and a camera for each image
     export FOLDER FILE   writes what a .blend, or a file that Blender imports, shows to FOLDER/scene.glb, z up, in
-                         metres; the answer is JSON: numbers of what it lacks, by the notes of blenderFormat()
+                         metres; the answer is JSON: numbers of what it lacks, by the notes of kBlenderFormat
 
 Every answer is a line of JSON on standard output: {"what": "ready" | "scene" | "image" | "exported" | "error",
 "text": ..., "seconds": since the request}; an error says with "input" whether the user's file is at fault. What Blender
@@ -418,7 +418,7 @@ def show_as_renders_do():
 
 
 def count_left_out(shown, bare):
-    """Counts by the notes of blenderFormat(). `shown`: the objects that show faces or instances with faces; `bare`: those
+    """Counts by the notes of kBlenderFormat. `shown`: the objects that show faces or instances with faces; `bare`: those
     whose surface has none."""
     scene = bpy.context.scene
     hidden = "objects that the viewport or renders hide"

@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -100,11 +101,10 @@ void printCapabilities() {
 
 // Returns the formats whose readers list what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
-  return {gltf::gltfFormat(), blenderFormat(), objFormat(),      plyMeshFormat(),      stlFormat(),
-          colladaFormat(),    ac3dFormat(),    imageFormat(),    sdfFormat(),          urdfFormat(),
-          tilesetFormat(),    rasterFormat(),  cloudColumns(),   lasFormat(),          plyCloudFormat(),
-          pcdFormat(),        csvFormat(),     dracoFormat(),    pointRecordsFormat(), town::osmFormat(),
-          poseFormat(),       ousterFormat(),  velodyneFormat(), beamTableFormat()};
+  return {gltf::kGltfFormat,   kBlenderFormat,   kObjFormat,      kPlyMeshFormat, kStlFormat,      kColladaFormat,
+          kAc3dFormat,         kImageFormat,     kSdfFormat,      kUrdfFormat,    kTilesetFormat,  kRasterFormat,
+          kCloudColumns,       kLasFormat,       kPlyCloudFormat, kPcdFormat,     kCsvFormat,      kDracoFormat,
+          kPointRecordsFormat, town::kOsmFormat, kPoseFormat,     kOusterFormat,  kVelodyneFormat, kBeamTableFormat};
 }
 
 Rows inputRows() {
@@ -117,22 +117,16 @@ Rows inputRows() {
 
 // Prints what the reader of each format reads and leaves out, in Markdown: docs/inputs.md contains this text.
 void printElements() {
-  const auto append = [](std::string_view addition, const char* separator, std::string& text) {
-    if (!addition.empty()) text += fmt::format("{}{}", text.empty() ? "" : separator, addition);
-  };
   for (const FormatSupport& format : inputFormats()) {
-    std::string how(format.how), readNames, unusedNames, leftOut;
-    for (const FormatElements& row : format.elements) {
-      using enum FormatElements::Use;
-      if (row.use != LeftOut) append(row.names, " ", row.use == Read ? readNames : unusedNames);
-      append(row.note, "; ", row.use == LeftOut ? leftOut : how);
-    }
-    append(format.alsoLeftOut, "; ", leftOut);
-    printText("\n## {} ({})\n\n{}.\n", format.name, format.suffixes, how);
-    if (!(readNames + unusedNames + leftOut).empty()) printText("\n");
-    if (!readNames.empty()) printText("- Names: `{}`\n", readNames);
-    if (!unusedNames.empty()) printText("- *Without effect*: `{}`\n", unusedNames);
-    if (!leftOut.empty()) printText("- *Left out*: {}\n", leftOut);
+    const auto& [read, unused, leftOut] = format.keywords;
+    std::vector<std::string_view> notes;
+    for (const FormatKeywords::Row& row : leftOut) notes.push_back(row.note);
+    if (!format.alsoLeftOut.empty()) notes.push_back(format.alsoLeftOut);
+    printText("\n## {} ({})\n\n{}.\n", format.name, format.suffixes, format.how);
+    if (!read.empty() || !unused.empty() || !notes.empty()) printText("\n");
+    if (!read.empty()) printText("- Names: `{}`\n", fmt::join(read, " "));
+    if (!unused.empty()) printText("- *Without effect*: `{}`\n", fmt::join(unused, " "));
+    if (!notes.empty()) printText("- *Left out*: {}\n", fmt::join(notes, "; "));
   }
 }
 

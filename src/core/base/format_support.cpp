@@ -8,23 +8,22 @@
 
 #include "base/error.h"
 #include "base/short_text.h"
+#include "base/text_scan.h"
 
 namespace scanmill {
 
-const FormatElements* FormatSupport::find(std::string_view keyword) const {
-  for (const FormatElements& row : elements) {
-    for (std::size_t begin = 0; begin < row.names.size();) {
-      const std::size_t end = std::min(row.names.find(' ', begin), row.names.size());
-      if (row.names.substr(begin, end - begin) == keyword) return &row;
-      begin = end + 1;
-    }
-  }
-  return nullptr;
+FormatSupport::Use FormatSupport::useOf(std::string_view keyword) const {
+  const auto hasKeyword = [&](std::string_view names) { return containsWord(names, keyword); };
+  if (std::ranges::any_of(keywords.read, hasKeyword)) return Use::Read;
+  if (std::ranges::any_of(keywords.unused, hasKeyword)) return Use::Unused;
+  return noteOf(keyword).empty() ? Use::Unknown : Use::LeftOut;
 }
 
-bool FormatSupport::has(FormatElements::Use use, std::string_view keyword) const {
-  const FormatElements* const row = find(keyword);
-  return row != nullptr && row->use == use;
+std::string_view FormatSupport::noteOf(std::string_view keyword) const {
+  for (const FormatKeywords::Row& row : keywords.leftOut) {
+    if (containsWord(row.names, keyword)) return row.note;
+  }
+  return {};
 }
 
 void LeftOut::add(const std::string& what, std::uint64_t count) {
@@ -32,12 +31,9 @@ void LeftOut::add(const std::string& what, std::uint64_t count) {
 }
 
 void LeftOut::addKeyword(const FormatSupport& format, std::string_view keyword) {
-  const FormatElements* const row = format.find(keyword);
-  if (row == nullptr) {
-    add(fmt::format("unknown '{}'", keyword.substr(0, 40)));
-  } else if (row->use == FormatElements::Use::LeftOut) {
-    add(std::string(row->note));
-  }
+  const FormatSupport::Use use = format.useOf(keyword);
+  if (use == FormatSupport::Use::Unknown) add(fmt::format("unknown '{}'", keyword.substr(0, 40)));
+  if (use == FormatSupport::Use::LeftOut) add(std::string(format.noteOf(keyword)));
 }
 
 void LeftOut::add(const LeftOut& other) {

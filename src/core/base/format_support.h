@@ -11,28 +11,31 @@
 
 namespace scanmill {
 
-// Keywords that a reader treats in the same way: statements, XML elements, properties, extensions or columns of a file.
-struct FormatElements {
-  enum class Use {
-    Read,
-    Unused,   // changes neither geometry, place, look nor labels, so that no warning names it
-    LeftOut,  // counted in the file's warning
+// Keywords of a format: statements, XML elements, properties, extensions or columns of a file. Keywords stand as in
+// files; spaces separate those that mean the same or share a line.
+struct FormatKeywords {
+  struct Row {
+    std::string_view names;
+    std::string_view note;  // what is left out, in the plural, as warnings name it
   };
-  Use use = Use::Read;
-  std::string_view names;      // keywords as they stand in files, separated by spaces
-  std::string_view note = {};  // what is left out, in the plural, as warnings name it
+  std::vector<std::string_view> read = {};
+  std::vector<std::string_view> unused = {};  // change neither geometry, place, look nor labels: no warning names them
+  std::vector<Row> leftOut = {};              // counted in the file's warning
 };
 
+// What the reader of a format reads, and what it leaves out.
 struct FormatSupport {
-  std::string_view name;      // "OBJ"
-  std::string_view suffixes;  // ".obj, .mtl"
-  std::vector<FormatElements> elements;
-  std::string_view how = {};          // what is read, and how: sentences, the last without a full stop
-  std::string_view alsoLeftOut = {};  // what warnings name besides what `elements` leaves out, separated by semicolons
+  enum class Use { Unknown, Read, Unused, LeftOut };  // Unknown: not in `keywords`
 
-  // Returns the row that names a keyword; null if none does.
-  const FormatElements* find(std::string_view keyword) const;
-  bool has(FormatElements::Use use, std::string_view keyword) const;
+  std::string_view name;              // "OBJ"
+  std::string_view suffixes;          // ".obj, .mtl"
+  std::string_view how;               // what is read, and how: sentences, the last without a full stop
+  std::string_view alsoLeftOut = {};  // what warnings name besides the notes of `keywords`, separated by semicolons
+  FormatKeywords keywords = {};
+
+  Use useOf(std::string_view keyword) const;
+  // Returns the note of a keyword that is left out; empty for other keywords.
+  std::string_view noteOf(std::string_view keyword) const;
 };
 
 // Counts what a reader leaves out of one file.
@@ -40,8 +43,8 @@ class LeftOut {
  public:
   // Counts things that the reader leaves out. `what`: a noun in the plural, such as "polylines".
   void add(const std::string& what, std::uint64_t count = 1);
-  // Counts a keyword of the file: under the row's `note` if the table leaves the keyword out, under the keyword in
-  // quotes if the table lacks it. Does nothing for keywords that are read or unused.
+  // Counts a keyword of the file: under its note if the format leaves it out, under the keyword in quotes if the format
+  // lacks it. Does nothing for keywords that are read or unused.
   void addKeyword(const FormatSupport& format, std::string_view keyword);
   void add(const LeftOut& other);
   // Counts the bytes `rest`, which follow the contents that a file's header states, unless all are blanks or zeros.

@@ -38,47 +38,35 @@ std::vector<typename Key::Value> columnValues(Key key, const std::vector<Stored>
 
 }  // namespace
 
-const FormatSupport& cloudColumns() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "Columns of point clouds",
-      ".las, .ply, .pcd, .csv, .xyz, .drc",
-      {{Read,
-        "label labels label_id class classes class_id class_label classification category category_id semantic "
-        "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label"},
-       {Read,
-        "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance pred_instance "
-        "objidx object_id objectid obj_id"},
-       {Read, "intensity intensities reflectance reflectivity remission"},
-       {Read, "ring ring_id ring_index laser_id laserid beam_id channel line"},
-       {Read, "return return_number returnnumber"},
-       {Read, "returns number_of_returns numberofreturns num_returns"},
-       {Read, "red r diffuse_red"},
-       {Read, "green g diffuse_green"},
-       {Read, "blue b diffuse_blue"},
-       {Read, "rgb rgba"},
-       {Read, "nx normal_x"},
-       {Read, "ny normal_y"},
-       {Read, "nz normal_z"},
-       {Unused, "alpha a curvature cosangle confidence range near_ir ambient noise signal"},
-       {Unused,
-        "gps_time gpstime timestamp t time_offset offset_time scan_angle scan_angle_rank scan_direction_flag "
-        "edge_of_flight_line user_data point_source_id pointsourceid scanner_channel"}},
-      "Classes: points that no class was given to are those of the number 0, or of -1 and -100, which become 65535 "
-      "beside a 0. Instances: 0 means none, and so do numbers below 0, where the others are counted from 1 on. "
-      "Intensities: a column with zeros only gives way to another. Rings, numbers and counts of returns, of recorded "
-      "scans. Colours, also packed as PCL does (rgb, rgba), and normals",
-      "points at 0, 0, 0, if there are several: misses; colours that are no numbers"};
-  return format;
-}
+const FormatSupport kCloudColumns{
+    "Columns of point clouds",
+    ".las, .ply, .pcd, .csv, .xyz, .drc",
+    "Classes: points that no class was given to are those of the number 0, or of -1 and -100, which become 65535 "
+    "beside a 0. Instances: 0 means none, and so do numbers below 0, where the others are counted from 1 on. "
+    "Intensities: a column with zeros only gives way to another. Rings, numbers and counts of returns, of recorded "
+    "scans. Colours, also packed as PCL does (rgb, rgba), and normals",
+    "points at 0, 0, 0, if there are several: misses; colours that are no numbers",
+    {.read =
+         {"label labels label_id class classes class_id class_label classification category category_id semantic "
+          "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label",
+          "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance pred_instance "
+          "objidx object_id objectid obj_id",
+          "intensity intensities reflectance reflectivity remission",
+          "ring ring_id ring_index laser_id laserid beam_id channel line", "return return_number returnnumber",
+          "returns number_of_returns numberofreturns num_returns", "red r diffuse_red", "green g diffuse_green",
+          "blue b diffuse_blue", "rgb rgba", "nx normal_x", "ny normal_y", "nz normal_z"},
+     .unused = {"alpha a curvature cosangle confidence range near_ir ambient noise signal",
+                "gps_time gpstime timestamp t time_offset offset_time scan_angle scan_angle_rank scan_direction_flag "
+                "edge_of_flight_line user_data point_source_id pointsourceid scanner_channel"}}};
 
 std::string columnMeant(std::string_view name) {
   constexpr std::string_view kPrefix = "scalar_";  // before names of columns in files of CloudCompare
   std::string plainName = lowerCase(name);
   if (plainName.starts_with(kPrefix)) plainName.erase(0, kPrefix.size());
-  const FormatElements* const row = cloudColumns().find(plainName);
-  if (row == nullptr || row->use != FormatElements::Use::Read) return plainName;
-  return std::string(row->names.substr(0, row->names.find(' ')));
+  for (const std::string_view names : kCloudColumns.keywords.read) {
+    if (containsWord(names, plainName)) return std::string(names.substr(0, names.find(' ')));
+  }
+  return plainName;
 }
 
 void adoptColumns(Cloud& cloud, const Location& where) {

@@ -43,7 +43,7 @@ enum class CloudUnit {
 };
 
 // Reads a cloud. Columns of the table (scan/columns.h) are also found by the names that other programs give them, see
-// cloudColumns() (formats/readers.h). Columns that are not in the table (red, green, blue, nx, ny, nz, gps_time) become
+// kCloudColumns (formats/readers.h). Columns that are not in the table (red, green, blue, nx, ny, nz, gps_time) become
 // foreign columns. For a scan of SemanticKITTI, the label file is also read. Throws an InputError that names the file
 // and, in a text file, the line.
 Cloud readCloud(const std::filesystem::path& file, CloudUnit unit = CloudUnit::OfFile);

@@ -122,7 +122,7 @@ class CsvReader {
 
   // Returns the function that stores the cells of the column with this name: a coordinate, a column of the table or,
   // for other names, a foreign column. Texts in a foreign column become NaN, and are counted as left out, unless
-  // cloudColumns() lists the column.
+  // kCloudColumns lists the column.
   ReadCell cellReader(const std::string& name) {
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
       if (name != kAxes[axis].first) continue;
@@ -149,7 +149,7 @@ class CsvReader {
       };
     });
     if (readTableCell) return readTableCell;
-    if (cloudColumns().find(columnMeant(name)) != nullptr) return foreignReader(name);
+    if (kCloudColumns.useOf(columnMeant(name)) != FormatSupport::Use::Unknown) return foreignReader(name);
     return [this, readForeign = foreignReader(name), texts = fmt::format("texts in the column '{}'", name)](
                std::string_view word, const Location& where) {
       const bool isText = !isNumber(word);
@@ -216,16 +216,11 @@ std::unique_ptr<Format> makeCsv(Fields& options) {
   return std::make_unique<Csv>();
 }
 
-const FormatSupport& csvFormat() {
-  static const FormatSupport format{
-      "Text",
-      ".csv, .xyz, .asc",
-      {},
-      "x, y, z and the columns of point clouds, as the first line names them, which may be a comment (# or //); "
-      "without names: x y z. Commas, semicolons, tabs or blanks separate, as in the first line",
-      "texts in columns that are none of point clouds"};
-  return format;
-}
+const FormatSupport kCsvFormat{
+    "Text", ".csv, .xyz, .asc",
+    "x, y, z and the columns of point clouds, as the first line names them, which may be a comment (# or //); "
+    "without names: x y z. Commas, semicolons, tabs or blanks separate, as in the first line",
+    "texts in columns that are none of point clouds"};
 
 Cloud readCsv(std::string_view bytes, const std::string& what, bool exact) {
   return CsvReader(bytes, what, exact).read();

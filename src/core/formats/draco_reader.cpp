@@ -238,15 +238,10 @@ class CloudReader {
 
 }  // namespace
 
-const FormatSupport& dracoFormat() {
-  static const FormatSupport format{"Draco",
-                                    ".drc",
-                                    {},
-                                    "Positions; attributes of one value a point, with the metadata `name`, are the "
-                                    "columns of point clouds",
-                                    "attributes of several values or without a name"};
-  return format;
-}
+const FormatSupport kDracoFormat{
+    "Draco", ".drc",
+    "Positions; attributes of one value a point, with the metadata `name`, are the columns of point clouds",
+    "attributes of several values or without a name"};
 
 Cloud readDraco(std::string_view bytes, const std::string& what) {
   HeaderCheck(bytes, what).run();

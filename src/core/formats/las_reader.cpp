@@ -142,8 +142,7 @@ class LasReader {
     if (user == "LASF_Spec" && id == 4) described_ = data;
     if (user == "liblas" && id == 2112) wkt_ = data;
     const bool isWaveform = user == "LASF_Spec" && id >= 100;
-    if (user.starts_with("LASF_") && !isWaveform)
-      cloud_.leftOut.addKeyword(lasFormat(), fmt::format("{}/{}", user, id));
+    if (user.starts_with("LASF_") && !isWaveform) cloud_.leftOut.addKeyword(kLasFormat, fmt::format("{}/{}", user, id));
     if (user != "LASF_Spec" || id != 0) return;
     for (std::size_t k = 0; k + 16 <= data.size(); k += 16) {
       const std::string name(textAt(data, k + 1, 15));
@@ -348,23 +347,19 @@ class LasReader {
 
 }  // namespace
 
-const FormatSupport& lasFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "LAS",
-      ".las",
-      {{Read, "LASF_Spec/0 LASF_Spec/4 LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736"},
-       {Read, "LASF_Projection/34737 liblas/2112"},
-       {Unused, "LASF_Spec/2 LASF_Spec/3 LASF_Spec/7"},
-       {LeftOut, "LASF_Projection/2111", "transforms of coordinates (LASF_Projection/2111)"}},
-      "Coordinates in double precision; feet of the coordinate system become metres, depths become heights. "
-      "Intensities, of which intensity_f of our own exports goes first; classes, with the names of the specification "
-      "or of the file, or from extra bytes if all are 0; returns, times and colours; extra bytes as columns of point "
-      "clouds. Flags, angles, near infrared and waveforms change nothing",
-      "points marked as withheld; points behind the announced ones; points of classes of noise, unless `points.labels` "
-      "is given; extra bytes of several values or without a description"};
-  return format;
-}
+const FormatSupport kLasFormat{
+    "LAS",
+    ".las",
+    "Coordinates in double precision; feet of the coordinate system become metres, depths become heights. "
+    "Intensities, of which intensity_f of our own exports goes first; classes, with the names of the specification "
+    "or of the file, or from extra bytes if all are 0; returns, times and colours; extra bytes as columns of point "
+    "clouds. Flags, angles, near infrared and waveforms change nothing",
+    "points marked as withheld; points behind the announced ones; points of classes of noise, unless `points.labels` "
+    "is given; extra bytes of several values or without a description",
+    {.read = {"LASF_Spec/0 LASF_Spec/4 LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736",
+              "LASF_Projection/34737 liblas/2112"},
+     .unused = {"LASF_Spec/2 LASF_Spec/3 LASF_Spec/7"},
+     .leftOut = {{"LASF_Projection/2111", "transforms of coordinates (LASF_Projection/2111)"}}}};
 
 Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit) {
   return LasReader(bytes, what).read(unit);

@@ -397,17 +397,12 @@ class BodyReader {
 
 }  // namespace
 
-const FormatSupport& pcdFormat() {
-  static const FormatSupport format{
-      "PCD",
-      ".pcd",
-      {},
-      "Fields of one value a point: see the columns of point clouds; DATA is ascii, binary or binary_compressed. "
-      "VIEWPOINT is the pose of the points where the file is an object of a scene; recorded scans stay in the frame of "
-      "the sensor",
-      "fields of several values; bytes behind the stated contents"};
-  return format;
-}
+const FormatSupport kPcdFormat{
+    "PCD", ".pcd",
+    "Fields of one value a point: see the columns of point clouds; DATA is ascii, binary or binary_compressed. "
+    "VIEWPOINT is the pose of the points where the file is an object of a scene; recorded scans stay in the frame of "
+    "the sensor",
+    "fields of several values; bytes behind the stated contents"};
 
 Cloud readPcd(std::string_view bytes, const std::string& what, bool exact) {
   return BodyReader(HeaderReader(bytes, what).read(), what, exact).read();

@@ -36,7 +36,7 @@ class PlyReader {
     }
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex") continue;
-      cloud_.leftOut.addKeyword(plyCloudFormat(), element.count == 0 ? "face" : element.name);
+      cloud_.leftOut.addKeyword(kPlyCloudFormat, element.count == 0 ? "face" : element.name);
     }
     readRows(vertex);
     build(vertex->count);
@@ -117,17 +117,13 @@ class PlyReader {
 
 }  // namespace
 
-const FormatSupport& plyCloudFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "PLY of points",
-      ".ply without faces",
-      {{Read, "vertex"}, {Unused, "face tristrips camera"}, {LeftOut, "edge", "elements 'edge'"}},
-      "Points, whose properties are the columns of point clouds. Empty elements and the camera of MeshLab change "
-      "nothing",
-      "lists at vertices; bytes behind the stated contents"};
-  return format;
-}
+const FormatSupport kPlyCloudFormat{
+    "PLY of points",
+    ".ply without faces",
+    "Points, whose properties are the columns of point clouds. Empty elements and the camera of MeshLab change "
+    "nothing",
+    "lists at vertices; bytes behind the stated contents",
+    {.read = {"vertex"}, .unused = {"face tristrips camera"}, .leftOut = {{"edge", "elements 'edge'"}}}};
 
 Cloud readPly(const std::filesystem::path& file) {
   return PlyReader(file).read();

@@ -103,18 +103,12 @@ void requireOneEach(std::size_t labels, const Scan& scan, const std::string& wha
 
 }  // namespace
 
-const FormatSupport& pointRecordsFormat() {
-  static const FormatSupport format{
-      "KITTI, SemanticKITTI and nuScenes",
-      ".bin, .pcd.bin",
-      {},
-      "float32: x, y, z, intensity in .bin, and ring in .pcd.bin; points with NaN or infinite coordinates are misses. "
-      "Classes and instances of SemanticKITTI (labels/*.label, beside velodyne/), and of nuScenes where lidarseg.json "
-      "and panoptic.json name their files. Poses, times and boxes count for nothing: recorded scans stay in the frame "
-      "of their sensor",
-      ""};
-  return format;
-}
+const FormatSupport kPointRecordsFormat{
+    "KITTI, SemanticKITTI and nuScenes", ".bin, .pcd.bin",
+    "float32: x, y, z, intensity in .bin, and ring in .pcd.bin; points with NaN or infinite coordinates are misses. "
+    "Classes and instances of SemanticKITTI (labels/*.label, beside velodyne/), and of nuScenes where lidarseg.json "
+    "and panoptic.json name their files. Poses, times and boxes count for nothing: recorded scans stay in the frame "
+    "of their sensor"};
 
 std::size_t numbersOfRecord(const std::filesystem::path& file) {
   if (lowerExtension(file) != ".bin") return 0;

@@ -28,15 +28,15 @@ std::unique_ptr<Format> makePcd(Fields& options);
 std::unique_ptr<Format> makeDraco(Fields& options);
 std::unique_ptr<Format> makeCsv(Fields& options);
 
-// Each of these functions returns the table of the contents that a reader reads and leaves out.
-const FormatSupport& pcdFormat();
-const FormatSupport& csvFormat();
-const FormatSupport& dracoFormat();
-const FormatSupport& lasFormat();
-const FormatSupport& plyCloudFormat();
-const FormatSupport& pointRecordsFormat();
+// The contents that each reader reads and leaves out.
+extern const FormatSupport kPcdFormat;
+extern const FormatSupport kCsvFormat;
+extern const FormatSupport kDracoFormat;
+extern const FormatSupport kLasFormat;
+extern const FormatSupport kPlyCloudFormat;
+extern const FormatSupport kPointRecordsFormat;
 
-// The readers below find columns by the names in cloudColumns(); other columns become foreign. All throw an InputError
+// The readers below find columns by the names in kCloudColumns; other columns become foreign. All throw an InputError
 // that begins with `what`, the name of the bytes, and states the line if the bytes are text.
 //
 // If `exact` is true, positions are read in double precision and are relative to cloudOrigin() of the first finite
@@ -64,12 +64,12 @@ Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit = 
 // Reads the points of a PLY file (the element `vertex`). Properties that are lists are left out.
 Cloud readPly(const std::filesystem::path& file);
 
-// Returns the table of columns' names. A row lists the names of one column, beginning with its own. Names are in lower
-// case, without CloudCompare's prefix `scalar_`. Rows of Use::Unused are columns that a scene does not need.
-const FormatSupport& cloudColumns();
+// The names of columns, in lower case and without CloudCompare's prefix `scalar_`. Each string of `keywords.read` lists
+// the names of one column, beginning with its own. A scene does not need the columns in `keywords.unused`.
+extern const FormatSupport kCloudColumns;
 
-// Returns the name of the column that `name` stands for ("label" for "scalar_Classification"). If no row of Use::Read
-// has the name, returns it in lower case and without `scalar_`.
+// Returns the name of the column that `name` stands for ("label" for "scalar_Classification"). If `keywords.read` lacks
+// the name, returns it in lower case and without `scalar_`.
 std::string columnMeant(std::string_view name);
 
 // Converts foreign columns whose names stand for columns of the table (see columnMeant()) to these columns, if the scan

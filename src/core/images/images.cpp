@@ -293,19 +293,15 @@ DecodedImage decode(ImageReader& image, const std::string& kindOfBytes, std::uin
 
 }  // namespace
 
-const FormatSupport& imageFormat() {
-  static const FormatSupport format{
-      "Images of materials",
-      ".png, .jpg, .jpeg, .webp, .tga, .sgi, .rgb, .bmp, .tif, .exr, .hdr, .gif, .dds and what else OpenImageIO reads",
-      {},
-      "Red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8. Alpha, also of palettes; colours that "
-      "are multiplied by it are divided; in BMP and TGA an alpha that is 0 everywhere is none. Floats (EXR, HDR, TIFF) "
-      "are linear light from 0 to 1; whole numbers and other single channels are sRGB. The canvas of GIF. The "
-      "first image of the file; more than 4096 pixels in a row or column are reduced. Colour profiles, gammas and "
-      "orientations (Exif) change nothing, as in glTF and Blender",
-      "further images and channels; images of few colours that an alpha hides"};
-  return format;
-}
+const FormatSupport kImageFormat{
+    "Images of materials",
+    ".png, .jpg, .jpeg, .webp, .tga, .sgi, .rgb, .bmp, .tif, .exr, .hdr, .gif, .dds and what else OpenImageIO reads",
+    "Red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8. Alpha, also of palettes; colours that "
+    "are multiplied by it are divided; in BMP and TGA an alpha that is 0 everywhere is none. Floats (EXR, HDR, TIFF) "
+    "are linear light from 0 to 1; whole numbers and other single channels are sRGB. The canvas of GIF. The first "
+    "image of the file; more than 4096 pixels in a row or column are reduced. Colour profiles, gammas and "
+    "orientations (Exif) change nothing, as in glTF and Blender",
+    "further images and channels; images of few colours that an alpha hides"};
 
 DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw InputError({name}, "the image is empty");

@@ -14,8 +14,8 @@
 
 namespace scanmill {
 
-// Returns the table of the contents of images that are read or left out.
-const FormatSupport& imageFormat();
+// The contents of images that are read or left out.
+extern const FormatSupport kImageFormat;
 
 // 8-bit RGBA in sRGB, top row first. Colours are not multiplied by alpha.
 struct DecodedImage {
@@ -26,7 +26,7 @@ struct DecodedImage {
   std::vector<std::uint8_t> rgba;  // width * height * 4
 };
 
-// Decodes an image of a kind in imageFormat(). `name` names the image in messages; its ending tells the kind if the
+// Decodes an image of a kind in kImageFormat. `name` names the image in messages; its ending tells the kind if the
 // bytes do not show it. An image that is wider or higher than 4096 pixels is reduced to at most 4096 by averaging
 // squares of pixels: on a wall of 40 m a pixel is then 1 cm wide, like a beam. Warns of what is left out. Throws an
 // InputError that starts with the name if the bytes are no image or are damaged, or if the image is too large.

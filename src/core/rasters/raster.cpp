@@ -328,18 +328,13 @@ std::array<double, 2> Raster::range() const {
   return {low, high};
 }
 
-const FormatSupport& rasterFormat() {
-  static const FormatSupport format{
-      "Rasters of heights, classes and colours",
-      ".tif, .tiff, .asc, .hgt, .vrt, .img, .dem",
-      {},
-      "By GDAL: values of 8 to 64 bits with the band's scale and offset; holes by the band's value, NaN, masks, alpha "
-      "bands and gaps of mosaics; geotransforms and world files; coordinate systems in any unit, of .prj and .aux.xml "
-      "too; heights in the band's unit, else that of the vertical system, else metres, and depths as heights; bands "
-      "called red, green and blue, else the first three or the first. Text grids are Esri's",
-      "bands behind the first; further rasters of the file"};
-  return format;
-}
+const FormatSupport kRasterFormat{
+    "Rasters of heights, classes and colours", ".tif, .tiff, .asc, .hgt, .vrt, .img, .dem",
+    "By GDAL: values of 8 to 64 bits with the band's scale and offset; holes by the band's value, NaN, masks, alpha "
+    "bands and gaps of mosaics; geotransforms and world files; coordinate systems in any unit, of .prj and .aux.xml "
+    "too; heights in the band's unit, else that of the vertical system, else metres, and depths as heights; bands "
+    "called red, green and blue, else the first three or the first. Text grids are Esri's",
+    "bands behind the first; further rasters of the file"};
 
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request) {
   const std::unique_ptr<RasterReader> reader = open(file);

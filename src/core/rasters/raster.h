@@ -42,8 +42,8 @@ struct GeoKeys {
 };
 CoordinateSystem coordinateSystem(const GeoKeys& keys, double x, double y);
 
-// Returns a description of the raster files that are read, and of the contents that are ignored.
-const FormatSupport& rasterFormat();
+// The raster files that are read, and the contents that are ignored.
+extern const FormatSupport kRasterFormat;
 
 // A rectangle in a raster's coordinates: least x and y, greatest x and y.
 using RasterBounds = std::array<double, 4>;

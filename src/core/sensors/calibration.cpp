@@ -66,13 +66,13 @@ std::vector<Laser> readVelodyneLasers(const Value& file) {
                      "sensors; Ouster's metadata need the suffix .json, tables of beams .csv");
   }
   LeftOut leftOut;
-  for (const Value::Entry& entry : file.entries) leftOut.addKeyword(velodyneFormat(), entry.key);
+  for (const Value::Entry& entry : file.entries) leftOut.addKeyword(kVelodyneFormat, entry.key);
   std::vector<Laser> lasers;
   for (const Value& item : items->items) {
     Fields laser(item, "laser");
     for (const Value::Entry& entry : item.entries) {
       laser.also({entry.key});
-      leftOut.addKeyword(velodyneFormat(), entry.key);
+      leftOut.addKeyword(kVelodyneFormat, entry.key);
     }
     const auto angleDegrees = [&](const char* key, double limit) {
       return degrees(readNumber(laser.require(key), fmt::format("laser: {} (rad)", key), {-limit, limit}));
@@ -213,32 +213,22 @@ void checkFiring(const Value& preset, const Value& sensor, const Unit& unit, con
 
 }  // namespace
 
-const FormatSupport& velodyneFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "Velodyne calibration",
-      ".yaml",
-      {{Read, "lasers num_lasers laser_id vert_correction rot_correction vert_offset_correction"},
-       {Read, "horiz_offset_correction"},
-       {Unused, "dist_correction dist_correction_x dist_correction_y two_pt_correction_available distance_resolution"},
-       {Unused, "focal_distance focal_slope min_intensity max_intensity"}},
-      "Elevation and azimuth of each laser (rad) and the place of its origin (m). Corrections of measured ranges and "
-      "intensities count for nothing, since simulated ones have no such errors",
-      ""};
-  return format;
-}
+const FormatSupport kVelodyneFormat{
+    "Velodyne calibration",
+    ".yaml",
+    "Elevation and azimuth of each laser (rad) and the place of its origin (m). Corrections of measured ranges and "
+    "intensities count for nothing, since simulated ones have no such errors",
+    "",
+    {.read = {"lasers num_lasers laser_id vert_correction rot_correction vert_offset_correction",
+              "horiz_offset_correction"},
+     .unused = {"dist_correction dist_correction_x dist_correction_y two_pt_correction_available",
+                "distance_resolution focal_distance focal_slope min_intensity max_intensity"}}};
 
-const FormatSupport& beamTableFormat() {
-  static const FormatSupport format{
-      "Table of lasers",
-      ".csv",
-      {},
-      "Hesai's angle correction file (Channel, Elevation, Azimuth in degrees, clockwise) and firetime correction file, "
-      "with one firing state; or a table of your own with elevation_deg, azimuth_offset_deg (counter-clockwise), "
-      "origin_left_m, origin_up_m and firing_time_us",
-      ""};
-  return format;
-}
+const FormatSupport kBeamTableFormat{
+    "Table of lasers", ".csv",
+    "Hesai's angle correction file (Channel, Elevation, Azimuth in degrees, clockwise) and firetime correction file, "
+    "with one firing state; or a table of your own with elevation_deg, azimuth_offset_deg (counter-clockwise), "
+    "origin_left_m, origin_up_m and firing_time_us"};
 
 std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   const TextTable table(file);

@@ -13,7 +13,7 @@
 namespace scanmill {
 
 struct FormatSupport;
-const FormatSupport& velodyneFormat();
+extern const FormatSupport kVelodyneFormat;
 
 // Returns the sensor map `value` with its key `calibration` replaced by keys from the calibration file: elevation_deg,
 // ring_order, azimuth_offset_deg, origin_left_m and origin_up_m. Further keys are added unless the map has them:
@@ -24,7 +24,7 @@ const FormatSupport& velodyneFormat();
 // and one of the first five keys. `preset`: the preset that the map overrides; null if there is no preset.
 [[nodiscard]] Value withCalibration(const Value& value, const Value* preset = nullptr);
 
-const FormatSupport& beamTableFormat();
+extern const FormatSupport kBeamTableFormat;
 
 struct Laser {
   double elevation = 0;  // deg, upwards from the horizontal
@@ -34,7 +34,7 @@ struct Laser {
   double firing = 0;     // us, firing time after the start of the column
 };
 
-// Reads the lasers of a table, by Hesai or written by the user: see beamTableFormat(). The rows may come in any order
+// Reads the lasers of a table, by Hesai or written by the user: see kBeamTableFormat. The rows may come in any order
 // if the table has channels, which become the rings. Throws InputError with the line.
 std::vector<Laser> readBeamTable(const std::filesystem::path& file);
 
@@ -43,7 +43,7 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file);
 // if a file gives several states of the sensor with different firing times.
 std::vector<double> readFiringTable(const std::filesystem::path& file);
 
-const FormatSupport& ousterFormat();
+extern const FormatSupport kOusterFormat;
 
 struct OusterMetadata {
   std::string model;  // "OS-1-128", or empty if the file does not name the model

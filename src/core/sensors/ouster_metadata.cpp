@@ -131,7 +131,7 @@ class Reader {
     // Firmware 1.13 counts azimuths in hundredths of a degree, later firmware in thousandths.
     const Ends azimuthEnds = azimuths == nullptr ? Ends{0, 360e3} : readNumbers(*azimuths, "azimuth_window");
     const bool allAzimuths = azimuthEnds == Ends{0, 36e3} || azimuthEnds == Ends{0, 360e3};
-    if (!allAzimuths && columns == allColumns) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
+    if (!allAzimuths && columns == allColumns) leftOut_.addKeyword(kOusterFormat, "azimuth_window");
     if (window == nullptr || m.columns == 0) return;
     const auto isColumn = [&](double c) { return c >= 0 && c < m.columns && c == std::floor(c); };
     if (columns.size() != 2 || !isColumn(columns[0]) || !isColumn(columns[1])) {
@@ -170,10 +170,10 @@ class Reader {
     const Value* const mount = find("ouster-sdk", "extrinsic");
     const std::vector<double> identity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     if (mount != nullptr && readNumbers(*mount, "extrinsic") != identity)
-      leftOut_.addKeyword(ousterFormat(), "extrinsic");
+      leftOut_.addKeyword(kOusterFormat, "extrinsic");
     const Value* const azimuthOffset = find("config_params", "lidar_frame_azimuth_offset");
     if (azimuthOffset != nullptr && readNumber(*azimuthOffset, "lidar_frame_azimuth_offset") != 0) {
-      leftOut_.addKeyword(ousterFormat(), "lidar_frame_azimuth_offset");
+      leftOut_.addKeyword(kOusterFormat, "lidar_frame_azimuth_offset");
     }
   }
 
@@ -210,20 +210,16 @@ class Reader {
 
 }  // namespace
 
-const FormatSupport& ousterFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "Ouster metadata",
-      ".json",
-      {{LeftOut, "extrinsic", "extrinsic transforms, which `mount` gives"},
-       {LeftOut, "azimuth_window", "azimuth windows that no column_window repeats"},
-       {LeftOut, "lidar_frame_azimuth_offset", "azimuths at which frames begin"}},
-      "Angles of the beams, where those of unused lasers are 0; columns and rate, for which a sensor's keys stand in "
-      "if the file has neither; the part of the revolution that is sent; rotation about z and height of the lidar; "
-      "places of the beams' origins, by default those of Ouster's software for the model",
-      ""};
-  return format;
-}
+const FormatSupport kOusterFormat{
+    "Ouster metadata",
+    ".json",
+    "Angles of the beams, where those of unused lasers are 0; columns and rate, for which a sensor's keys stand in "
+    "if the file has neither; the part of the revolution that is sent; rotation about z and height of the lidar; "
+    "places of the beams' origins, by default those of Ouster's software for the model",
+    "",
+    {.leftOut = {{"extrinsic", "extrinsic transforms, which `mount` gives"},
+                 {"azimuth_window", "azimuth windows that no column_window repeats"},
+                 {"lidar_frame_azimuth_offset", "azimuths at which frames begin"}}}};
 
 OusterMetadata readOusterMetadata(const std::filesystem::path& file) {
   return Reader(file).read();

@@ -169,22 +169,18 @@ void readTableOfNuScenes(const std::filesystem::path& file, const std::function<
 
 }  // namespace
 
-const FormatSupport& poseFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "Recorded poses",
-      ".csv, .txt, .json",
-      {{Read, "time time_s time_ms time_us time_ns x y z qw qx qy qz"},
-       {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg yaw_rad pitch_rad roll_rad"},
-       {Unused, "v_rs_r_x_ms1 v_rs_r_y_ms1 v_rs_r_z_ms1 b_w_rs_s_x_rads1 b_w_rs_s_y_rads1 b_w_rs_s_z_rads1"},
-       {Unused, "b_a_rs_s_x_ms2 b_a_rs_s_y_ms2 b_a_rs_s_z_ms2"}},
-      "csv: columns time (s, or time_ms, time_us, time_ns), x, y, z (m), rotation qw, qx, qy, qz, or yaw, pitch and "
-      "roll (rad, or yaw_deg ...), with units in their names or behind them, as in Time/s and x [m]; EuRoC's names for "
-      "them. tum: lines time x y z qx qy qz qw, times in s. kitti: lines of 12 numbers, with the line Tr of calib.txt. "
-      "nuscenes: ego_pose.json, beside scene.json, sample.json and sample_data.json",
-      "other columns"};
-  return format;
-}
+const FormatSupport kPoseFormat{
+    "Recorded poses",
+    ".csv, .txt, .json",
+    "csv: columns time (s, or time_ms, time_us, time_ns), x, y, z (m), rotation qw, qx, qy, qz, or yaw, pitch and "
+    "roll (rad, or yaw_deg ...), with units in their names or behind them, as in Time/s and x [m]; EuRoC's names for "
+    "them. tum: lines time x y z qx qy qz qw, times in s. kitti: lines of 12 numbers, with the line Tr of calib.txt. "
+    "nuscenes: ego_pose.json, beside scene.json, sample.json and sample_data.json",
+    "other columns",
+    {.read = {"time time_s time_ms time_us time_ns x y z qw qx qy qz yaw pitch roll yaw_deg pitch_deg roll_deg",
+              "yaw_rad pitch_rad roll_rad"},
+     .unused = {"v_rs_r_x_ms1 v_rs_r_y_ms1 v_rs_r_z_ms1 b_w_rs_s_x_rads1 b_w_rs_s_y_rads1 b_w_rs_s_z_rads1",
+                "b_a_rs_s_x_ms2 b_a_rs_s_y_ms2 b_a_rs_s_z_ms2"}}};
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
@@ -230,7 +226,7 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
   TextTable table(file);
   renameColumns(table);
   LeftOut leftOut;
-  for (const std::string& name : table.names()) leftOut.addKeyword(poseFormat(), name);
+  for (const std::string& name : table.names()) leftOut.addKeyword(kPoseFormat, name);
   leftOut.warn(file.string());
   const Rotations rotations = kindOfRotations(table);
   std::vector<StampedPose> poses;

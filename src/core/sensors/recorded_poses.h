@@ -54,7 +54,7 @@ class RecordedPoses {
 RecordedPoses readRecordedPoses(const Value& value);
 
 struct FormatSupport;
-const FormatSupport& poseFormat();
+extern const FormatSupport kPoseFormat;
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
 std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file

@@ -322,21 +322,16 @@ bool hasDeletions(const std::filesystem::path& file) {
 
 }  // namespace
 
-const FormatSupport& osmFormat() {
-  static const FormatSupport format{
-      "OpenStreetMap",
-      ".osm, .osm.gz, .osm.bz2, .osm.pbf, .o5m, .opl",
-      {},
-      "Nodes, ways and relations in this order, each by their ids. Roads, paths, buildings with their parts and roofs, "
-      "barriers, trees, woods, water, parks, lawns, squares and parking lots, with the tags that town.md names; "
-      "multipolygons, boundaries and relations of buildings; lengths in metres unless they have another unit",
-      "all else that has a shape, by its tag, such as highway=street_lamp; what is on bridges, in tunnels, indoors or "
-      "underground; surfaces of roads, looks and states of buildings, heights of nodes; buildings that are nodes; "
-      "buildings, roads and areas with missing nodes; pitched roofs over outlines that are no rectangles; areas of "
-      "hedges, walls and fences, whose outlines are built; heights and roofs of outer ways that differ from those of "
-      "their multipolygon; holes of multipolygons without tags; values that are no numbers"};
-  return format;
-}
+const FormatSupport kOsmFormat{
+    "OpenStreetMap", ".osm, .osm.gz, .osm.bz2, .osm.pbf, .o5m, .opl",
+    "Nodes, ways and relations in this order, each by their ids. Roads, paths, buildings with their parts and roofs, "
+    "barriers, trees, woods, water, parks, lawns, squares and parking lots, with the tags that town.md names; "
+    "multipolygons, boundaries and relations of buildings; lengths in metres unless they have another unit",
+    "all else that has a shape, by its tag, such as highway=street_lamp; what is on bridges, in tunnels, indoors or "
+    "underground; surfaces of roads, looks and states of buildings, heights of nodes; buildings that are nodes; "
+    "buildings, roads and areas with missing nodes; pitched roofs over outlines that are no rectangles; areas of "
+    "hedges, walls and fences, whose outlines are built; heights and roofs of outer ways that differ from those of "
+    "their multipolygon; holes of multipolygons without tags; values that are no numbers"};
 
 OsmNode degreesAt(const Map& map, const Point2& p) {
   return TangentPlane(map.origin, map.mirrored).degreesAt(p);
@@ -369,7 +364,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
                      "{} cannot be read as an OpenStreetMap extract ({}): {}; the Overpass API "
                      "writes such files with `[out:xml]` and `(._;>;); out meta;`, and `osmium cat "
                      "-o place.osm.pbf` rewrites files with another compression",
-                     file.string(), osmFormat().suffixes, reasonOf(e));
+                     file.string(), kOsmFormat.suffixes, reasonOf(e));
   }
   Map map = makeMap(extract, mirrored);
   map.file = file;

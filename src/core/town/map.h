@@ -124,7 +124,7 @@ struct MapPlace : MapContents {
 };
 
 // Lists the tags and elements that readMap() reads, and those that readMap() leaves out.
-const FormatSupport& osmFormat();
+extern const FormatSupport kOsmFormat;
 
 // Returns the latitude and longitude (degrees) of a point in the map's frame.
 OsmNode degreesAt(const Map& map, const Point2& p);

@@ -107,22 +107,17 @@ BlenderAnswer BlenderJob::answer() {
   }
 }
 
-const FormatSupport& blenderFormat() {
-  static const FormatSupport format{
-      "Blender, and what it imports",
-      ".blend, .fbx, .abc, .x3d, .usd, .usda, .usdc, .usdz",
-      {},
-      "Surfaces of the active scene at its saved or first frame, of objects that both its viewport and its renders "
-      "show, evaluated as in renders: modifiers, levels of subdivision, simplification, particles and other instances. "
-      "Principled and other shaders, also mixed with a Transparent one: base colour and alpha (each a constant or an "
-      "image placed by texture coordinates), roughness and metallic; slots of objects come before those of meshes. "
-      "Images, packed or beside the file",
-      "objects that the viewport or renders hide; objects of other scenes; edges, thin curves, hair, halos, point "
-      "clouds, volumes and grease pencil; missing libraries, with all that is linked from them; opacities of materials "
-      "whose blend mode is opaque; nodes of materials that are not read; animations (one frame counts); files that "
-      "Inline of X3D names"};
-  return format;
-}
+const FormatSupport kBlenderFormat{
+    "Blender, and what it imports", ".blend, .fbx, .abc, .x3d, .usd, .usda, .usdc, .usdz",
+    "Surfaces of the active scene at its saved or first frame, of objects that both its viewport and its renders "
+    "show, evaluated as in renders: modifiers, levels of subdivision, simplification, particles and other instances. "
+    "Principled and other shaders, also mixed with a Transparent one: base colour and alpha (each a constant or an "
+    "image placed by texture coordinates), roughness and metallic; slots of objects come before those of meshes. "
+    "Images, packed or beside the file",
+    "objects that the viewport or renders hide; objects of other scenes; edges, thin curves, hair, halos, point "
+    "clouds, volumes and grease pencil; missing libraries, with all that is linked from them; opacities of materials "
+    "whose blend mode is opaque; nodes of materials that are not read; animations (one frame counts); files that "
+    "Inline of X3D names"};
 
 std::filesystem::path exportByBlender(const std::filesystem::path& file, const std::filesystem::path& folder) {
   std::optional<BlenderJob> job;

@@ -45,10 +45,10 @@ class BlenderJob {
   Process process_;
 };
 
-// Returns what is read from files that Blender opens or imports, and what is left out.
-const FormatSupport& blenderFormat();
+// What is read from files that Blender opens or imports, and what is left out.
+extern const FormatSupport kBlenderFormat;
 
-// Converts the visible contents of a file, as blenderFormat() says, to a GLB in a folder, and returns the GLB's path.
+// Converts the visible contents of a file, as kBlenderFormat says, to a GLB in a folder, and returns the GLB's path.
 // Names stay the same, but Blender adds .001 to a name that occurs twice. Coordinates are converted to metres and z up,
 // by the unit and axes of the file. The GLB names missing images by their paths. Warns of what is left out. Throws an
 // InputError that names the file if it is damaged or of another kind, was saved by a newer Blender, or shows nothing,

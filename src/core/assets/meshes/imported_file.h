@@ -55,11 +55,11 @@ struct ImportedFile : Asset {
 // Readers of mesh files; `scanmill list inputs` lists their formats. `file` must exist. Triangles with indices out of
 // range are dropped and counted. The readers throw InputError, with the line of text files, for contents that they
 // cannot read, and for a file outside of the asset's folder unless AssetOptions::allowOutside is set.
-const FormatSupport& objFormat();
-const FormatSupport& plyMeshFormat();
-const FormatSupport& stlFormat();
-const FormatSupport& colladaFormat();
-const FormatSupport& ac3dFormat();
+extern const FormatSupport kObjFormat;
+extern const FormatSupport kPlyMeshFormat;
+extern const FormatSupport kStlFormat;
+extern const FormatSupport kColladaFormat;
+extern const FormatSupport kAc3dFormat;
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options);
 ImportedFile readPlyMesh(const std::filesystem::path& file, const AssetOptions& options);
 ImportedFile readStlMesh(const std::filesystem::path& file, const AssetOptions& options);

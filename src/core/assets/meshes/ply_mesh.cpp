@@ -157,19 +157,18 @@ class PlyMeshReader {
 
   // Counts the contents of an element that are not read. `roles`: the roles of its properties.
   void countLeftOut(const PlyElement& element, const std::vector<Role>& roles) {
-    const FormatSupport& format = plyMeshFormat();
     const bool isVertex = element.name == "vertex";
-    imported_.leftOut.addKeyword(format, element.name);
+    imported_.leftOut.addKeyword(kPlyMeshFormat, element.name);
     if (!isVertex && element.name != "face") return;
     bool hasColors = false;
     for (std::size_t i = 0; i < roles.size(); ++i) {
       const std::string& name = element.properties[i].name;
-      if (format.find(name) == format.find("red")) {  // the row of all colours
+      if (kPlyMeshFormat.noteOf(name) == kPlyMeshFormat.noteOf("red")) {  // the row of all colours
         hasColors = true;
-      } else if (roles[i] == Role::None && format.has(FormatElements::Use::Read, name)) {
+      } else if (roles[i] == Role::None && kPlyMeshFormat.useOf(name) == FormatSupport::Use::Read) {
         imported_.leftOut.add(fmt::format("'{}' of {}", name, isVertex ? "vertices" : "faces"));
       } else {
-        imported_.leftOut.addKeyword(format, name);
+        imported_.leftOut.addKeyword(kPlyMeshFormat, name);
       }
     }
     if (hasColors) imported_.leftOut.add(isVertex ? "colours of vertices" : "colours of faces", element.count);
@@ -279,26 +278,22 @@ class PlyMeshReader {
 
 }  // namespace
 
-const FormatSupport& plyMeshFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "PLY of triangles",
-      ".ply with faces",
-      {{Read, "vertex face x y z vertex_indices vertex_index s t u v texture_u texture_v texcoord texnumber"},
-       {Unused, "nx ny nz normal_x normal_y normal_z quality confidence curvature radius flags camera"},
-       {LeftOut, "red green blue alpha r g b a diffuse_red diffuse_green diffuse_blue",
-        "colours of vertices and of faces"},
-       {LeftOut, "edge", "elements 'edge'"},
-       {LeftOut, "material material_index material_indices", "materials of faces (material_index)"},
-       {LeftOut, "label labels category_id objectid object_id instance",
-        "columns of labels or instances (without its faces, as a cloud, the file keeps them)"}},
-      "Polygons of three corners and more; coordinates in double or text lose no digits. Texture coordinates of "
-      "vertices or of corners; a face's image is numbered by texnumber among the comments 'TextureFile NAME'",
-      "images that no face shows; textures of parts without texture coordinates; faces of fewer than three corners; "
-      "vertices that no face uses, if they are more than half; bytes behind the stated contents; all other properties "
-      "and elements"};
-  return format;
-}
+const FormatSupport kPlyMeshFormat{
+    "PLY of triangles",
+    ".ply with faces",
+    "Polygons of three corners and more; coordinates in double or text lose no digits. Texture coordinates of "
+    "vertices or of corners; a face's image is numbered by texnumber among the comments 'TextureFile NAME'",
+    "images that no face shows; textures of parts without texture coordinates; faces of fewer than three corners; "
+    "vertices that no face uses, if they are more than half; bytes behind the stated contents; all other properties "
+    "and elements",
+    {.read = {"vertex face x y z vertex_indices vertex_index s t u v texture_u texture_v texcoord texnumber"},
+     .unused = {"nx ny nz normal_x normal_y normal_z quality confidence curvature radius flags camera"},
+     .leftOut = {
+         {"red green blue alpha r g b a diffuse_red diffuse_green diffuse_blue", "colours of vertices and of faces"},
+         {"edge", "elements 'edge'"},
+         {"material material_index material_indices", "materials of faces (material_index)"},
+         {"label labels category_id objectid object_id instance",
+          "columns of labels or instances (without its faces, as a cloud, the file keeps them)"}}}};
 
 ImportedFile readPlyMesh(const std::filesystem::path& file, const AssetOptions& options) {
   return PlyMeshReader(file, options).read();

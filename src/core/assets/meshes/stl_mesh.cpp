@@ -183,16 +183,11 @@ class StlReader {
 
 }  // namespace
 
-const FormatSupport& stlFormat() {
-  static const FormatSupport format{"STL",
-                                    ".stl",
-                                    {},
-                                    "Text in double precision, and binary files, those that begin with 'solid' too; a "
-                                    "file may hold several solids, whose names are those of nodes. Loops of more than "
-                                    "three corners are divided into triangles",
-                                    "colours of triangles (attribute bytes) and in the header (COLOR=)"};
-  return format;
-}
+const FormatSupport kStlFormat{
+    "STL", ".stl",
+    "Text in double precision, and binary files, those that begin with 'solid' too; a file may hold several solids, "
+    "whose names are those of nodes. Loops of more than three corners are divided into triangles",
+    "colours of triangles (attribute bytes) and in the header (COLOR=)"};
 
 ImportedFile readStlMesh(const std::filesystem::path& file, const AssetOptions& options) {
   return StlReader(file, options).read();

@@ -137,7 +137,7 @@ class CloudAsset {
     std::vector<std::string> names;
     for (const ForeignColumn& column : scan_.foreign) {
       const std::string meaning = columnMeant(column.name);
-      const bool isKnown = cloudColumns().find(meaning) != nullptr;
+      const bool isKnown = kCloudColumns.useOf(meaning) != FormatSupport::Use::Unknown;
       const bool isUsed = meaning == kIntensity.row.name && !scan_.has(kIntensity);
       if (!isKnown || (columnIndex(meaning) < kColumnCount && !isUsed)) names.push_back(column.name);
     }

@@ -87,7 +87,7 @@ class SdfReader {
         world_.leftOut.add("worlds after the first");
         continue;
       }
-      if (child.name == "actor") world_.leftOut.addKeyword(sdfFormat(), child.name);
+      if (child.name == "actor") world_.leftOut.addKeyword(kSdfFormat, child.name);
       if (child.name != "world" && child.name != "model" && child.name != "include") continue;
       isEmpty = false;
       countUnread(child);
@@ -103,7 +103,7 @@ class SdfReader {
   }
 
  private:
-  // Counts elements in `element` and below it that sdfFormat() leaves out or does not know, or that stand where
+  // Counts elements in `element` and below it that kSdfFormat leaves out or does not know, or that stand where
   // kSdfPlaces does not allow them. In a state, elements may stand anywhere. Throws InputError for SDF 1.0.
   void countUnread(const XmlNode& element, bool isInState = false) {
     if (!isInState) countMisplaced(element, kSdfPlaces, world_.leftOut);
@@ -116,10 +116,10 @@ class SdfReader {
         if (transparency > 0 && transparency < 1)
           world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
       }
-      const bool isKnown = sdfFormat().find(child.name) != nullptr;
+      const bool isKnown = kSdfFormat.useOf(child.name) != FormatSupport::Use::Unknown;
       const bool isCustom = child.name.find(':') != std::string::npos && !isKnown;  // elements of other programs
-      if (!isSdfDefault(child) && !isCustom) world_.leftOut.addKeyword(sdfFormat(), child.name);
-      if (!sdfFormat().has(FormatElements::Use::Read, child.name)) continue;
+      if (!isSdfDefault(child) && !isCustom) world_.leftOut.addKeyword(kSdfFormat, child.name);
+      if (kSdfFormat.useOf(child.name) != FormatSupport::Use::Read) continue;
       countUnread(child, isInState || child.name == "state");
     }
   }
@@ -336,7 +336,7 @@ class SdfReader {
     }
     const XmlNode* const model = root.child("model");
     if (model != nullptr) return model;
-    if (root.child("actor") != nullptr) world_.leftOut.addKeyword(sdfFormat(), "actor");
+    if (root.child("actor") != nullptr) world_.leftOut.addKeyword(kSdfFormat, "actor");
     if (root.child("light") != nullptr || root.child("actor") != nullptr) return nullptr;
     root.fail("has no model, but {} includes it", include.where.text());
   }
@@ -425,49 +425,45 @@ class SdfReader {
 
 }  // namespace
 
-const FormatSupport& sdfFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "SDF",
-      ".sdf, .world",
-      {{Read, "sdf gazebo world model link visual geometry name include uri placement_frame pose frame joint parent"},
-       {Read, "child axis axis2 state mesh submesh center scale box capsule cone cylinder"},
-       {Read, "ellipsoid plane sphere empty size radius radii length normal polyline point height heightmap pos"},
-       {Read, "transparency material diffuse pbr metal albedo_map roughness metalness script"},
-       {LeftOut, "image", "extruded images (image)"},
-       {LeftOut, "texture", "textures of heightmaps"},
-       {LeftOut, "sampling", "samples between the pixels of heightmaps (sampling)"},
-       {LeftOut, "actor", "actors"},
-       {LeftOut, "population", "populations"},
-       {LeftOut, "road", "roads"},
-       {LeftOut, "particle_emitter", "particle emitters"},
-       {LeftOut, "laser_retro", "values of laser_retro"},
-       {LeftOut, "visibility_flags", "visibility flags of visuals that are read"},
-       {LeftOut, "initial_position", "initial positions of joints"},
-       {LeftOut, "insertions deletions", "models that a state inserts or deletes"},
-       {LeftOut, "model_state joint_state", "states of SDF 1.12 (model_state, joint_state)"},
-       {LeftOut, "experimental:params", "changes of included models (experimental:params)"},
-       {Unused, "collision inertial surface self_collide static allow_auto_disable kinematic gravity velocity_decay"},
-       {Unused, "must_be_base_link enable_wind physics atmosphere magnetic_field wind gripper battery"},
-       {Unused, "xyz dynamics limit use_parent_model_frame mimic gearbox_ratio gearbox_reference_body thread_pitch"},
-       {Unused, "screw_thread_pitch angle sim_time wall_time real_time iterations time velocity acceleration wrench"},
-       {Unused, "light_state light projector sensor audio audio_sink audio_source plugin gui scene"},
-       {Unused, "spherical_coordinates cast_shadows meta lighting shader render_order ambient specular emissive"},
-       {Unused, "shininess double_sided roughness_map metalness_map environment_map ambient_occlusion_map normal_map"},
-       {Unused, "emissive_map light_map blend use_terrain_paging convex_decomposition namespace"}},
-      "The first world of a file and all models beside it, with models of other files. Poses relative to links, "
-      "joints, models and frames, in radians, degrees or as quaternions; joints are at 0. Of a world's states the "
-      "first: poses and scales of visuals. Meshes, whose up axis in COLLADA counts for nothing, as in Gazebo; solids; "
-      "outlines, extruded from 0 to the height of the first, where an outline within "
-      "another is a hole; terrain from band 1 of an image, whose greatest value has the height of <size>, or from a "
-      "georeferenced raster. Visuals with transparency 1 are not there for beams, which meet no <collision>. `diffuse` "
-      "is taken as linear light, since SDF states no colour space",
-      "elements in a wrong place, and further ones where one may stand; transparencies between 0 and 1 and alphas of "
-      "colours (these visuals are solid); numbers of colours above 1 (they count as 1); looks by scripts of OGRE; "
-      "textures of parts without texture coordinates; worlds and states after the first, states of models and links "
-      "that the world lacks"};
-  return format;
-}
+const FormatSupport kSdfFormat{
+    "SDF",
+    ".sdf, .world",
+    "The first world of a file and all models beside it, with models of other files. Poses relative to links, "
+    "joints, models and frames, in radians, degrees or as quaternions; joints are at 0. Of a world's states the "
+    "first: poses and scales of visuals. Meshes, whose up axis in COLLADA counts for nothing, as in Gazebo; solids; "
+    "outlines, extruded from 0 to the height of the first, where an outline within another is a hole; terrain from "
+    "band 1 of an image, whose greatest value has the height of <size>, or from a georeferenced raster. Visuals with "
+    "transparency 1 are not there for beams, which meet no <collision>. `diffuse` is taken as linear light, since "
+    "SDF states no colour space",
+    "elements in a wrong place, and further ones where one may stand; transparencies between 0 and 1 and alphas of "
+    "colours (these visuals are solid); numbers of colours above 1 (they count as 1); looks by scripts of OGRE; "
+    "textures of parts without texture coordinates; worlds and states after the first, states of models and links "
+    "that the world lacks",
+    {.read = {"sdf gazebo world model link visual geometry name include uri placement_frame pose frame joint",
+              "parent child axis axis2 state mesh submesh center scale box capsule cone cylinder ellipsoid plane",
+              "sphere empty size radius radii length normal polyline point height heightmap pos transparency",
+              "material diffuse pbr metal albedo_map roughness metalness script"},
+     .unused = {"collision inertial surface self_collide static allow_auto_disable kinematic gravity velocity_decay",
+                "must_be_base_link enable_wind physics atmosphere magnetic_field wind gripper battery xyz dynamics",
+                "limit use_parent_model_frame mimic gearbox_ratio gearbox_reference_body thread_pitch",
+                "screw_thread_pitch angle sim_time wall_time real_time iterations time velocity acceleration wrench",
+                "light_state light projector sensor audio audio_sink audio_source plugin gui scene",
+                "spherical_coordinates cast_shadows meta lighting shader render_order ambient specular emissive",
+                "shininess double_sided roughness_map metalness_map environment_map ambient_occlusion_map",
+                "normal_map emissive_map light_map blend use_terrain_paging convex_decomposition namespace"},
+     .leftOut = {{"image", "extruded images (image)"},
+                 {"texture", "textures of heightmaps"},
+                 {"sampling", "samples between the pixels of heightmaps (sampling)"},
+                 {"actor", "actors"},
+                 {"population", "populations"},
+                 {"road", "roads"},
+                 {"particle_emitter", "particle emitters"},
+                 {"laser_retro", "values of laser_retro"},
+                 {"visibility_flags", "visibility flags of visuals that are read"},
+                 {"initial_position", "initial positions of joints"},
+                 {"insertions deletions", "models that a state inserts or deletes"},
+                 {"model_state joint_state", "states of SDF 1.12 (model_state, joint_state)"},
+                 {"experimental:params", "changes of included models (experimental:params)"}}}};
 
 WorldFile readSdf(const std::filesystem::path& file) {
   return SdfReader().read(file);

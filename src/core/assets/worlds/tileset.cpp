@@ -83,11 +83,11 @@ class TilesetReader {
   // Counts the keys and extensions of an object that are left out.
   void countUnread(const Json& object) {
     for (const auto& [key, value] : object.items()) {
-      if (key != "extensions") leftOut_.addKeyword(tilesetFormat(), key);
+      if (key != "extensions") leftOut_.addKeyword(kTilesetFormat, key);
     }
     const auto extensions = object.find("extensions");
     if (extensions == object.end()) return;
-    for (const auto& [name, value] : extensions->items()) leftOut_.addKeyword(tilesetFormat(), name);
+    for (const auto& [name, value] : extensions->items()) leftOut_.addKeyword(kTilesetFormat, name);
   }
 
   // Returns the transform from a tile's frame to its parent's frame; the identity if none is stated.
@@ -189,7 +189,7 @@ class TilesetReader {
     const std::string kind = lowerExtension(file);
     const std::filesystem::path name = tileset.folder / relativePath;
     if (kind == ".json") return readTileset(file, name.parent_path(), earthFromTile, refine, depth + 1);
-    if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") return leftOut_.addKeyword(tilesetFormat(), kind);
+    if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") return leftOut_.addKeyword(kTilesetFormat, kind);
     if (!assetFromEarth_) assetFromEarth_ = metresFromUnits_;
     Asset mesh = gltf::readTile(file, *assetFromEarth_ * earthFromTile, tileset.zUpFromGltf, options_, leftOutOfTiles_);
     if (!asset_.ownMiddle && isOnEarth(inverse(metresFromUnits_) * boundsOf(mesh).center())) {
@@ -229,26 +229,22 @@ class TilesetReader {
 
 }  // namespace
 
-const FormatSupport& tilesetFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "3D Tiles",
-      "tileset.json",
-      {{Read, "asset version gltfUpAxis root boundingVolume transform children refine content contents uri url"},
-       {Read, "3DTILES_multiple_contents 3DTILES_content_gltf"},
-       {LeftOut, ".i3dm", "instanced models (.i3dm)"},
-       {LeftOut, ".pnts", "point clouds (.pnts)"},
-       {LeftOut, ".cmpt", "composite tiles (.cmpt)"},
-       {LeftOut, ".geom", "tiles of simple shapes (.geom)"},
-       {LeftOut, ".vctr", "vector tiles (.vctr)"},
-       {LeftOut, "metadata group groups schema schemaUri 3DTILES_metadata", "metadata"},
-       {Unused, "geometricError viewerRequestVolume properties statistics tilesetVersion extras"},
-       {Unused, "3DTILES_bounding_volume_S2 extensionsUsed extensionsRequired"}},
-      "Tiles (.glb, .gltf, .b3dm), nested tilesets and their places. With the refine REPLACE the finest tiles alone, "
-      "with ADD coarser tiles too. Implicit tilings are refused",
-      ""};
-  return format;
-}
+const FormatSupport kTilesetFormat{
+    "3D Tiles",
+    "tileset.json",
+    "Tiles (.glb, .gltf, .b3dm), nested tilesets and their places. With the refine REPLACE the finest tiles alone, "
+    "with ADD coarser tiles too. Implicit tilings are refused",
+    "",
+    {.read = {"asset version gltfUpAxis root boundingVolume transform children refine content contents uri url",
+              "3DTILES_multiple_contents 3DTILES_content_gltf"},
+     .unused = {"geometricError viewerRequestVolume properties statistics tilesetVersion extras",
+                "3DTILES_bounding_volume_S2 extensionsUsed extensionsRequired"},
+     .leftOut = {{".i3dm", "instanced models (.i3dm)"},
+                 {".pnts", "point clouds (.pnts)"},
+                 {".cmpt", "composite tiles (.cmpt)"},
+                 {".geom", "tiles of simple shapes (.geom)"},
+                 {".vctr", "vector tiles (.vctr)"},
+                 {"metadata group groups schema schemaUri 3DTILES_metadata", "metadata"}}}};
 
 Asset readTileset(const std::filesystem::path& file, const AssetOptions& options) {
   try {

@@ -84,7 +84,7 @@ class UrdfReader {
     }
   }
 
-  // Counts elements in `element` and below it that urdfFormat() leaves out or does not know, or that stand where
+  // Counts elements in `element` and below it that kUrdfFormat leaves out or does not know, or that stand where
   // kPlaces does not allow them. Throws InputError for macros.
   void countUnread(const XmlNode& element) {
     static constexpr std::array<ElementPlace, 9> kPlaces{{{"link joint", "robot", true},
@@ -104,13 +104,13 @@ class UrdfReader {
       if (hasMacro || child.name.starts_with("xacro:")) {
         child.fail("has a macro: expand the file first, by `xacro robot.urdf.xacro > robot.urdf`");
       }
-      world_.leftOut.addKeyword(urdfFormat(), child.name);
+      world_.leftOut.addKeyword(kUrdfFormat, child.name);
       if (child.name == "gazebo") {
         const auto isLeftOut = [](const XmlNode& node) { return containsWord("material visual pose", node.name); };
         world_.leftOut.add("materials, visuals and poses for Gazebo",
                            static_cast<std::uint64_t>(std::ranges::count_if(child.children, isLeftOut)));
       }
-      if (urdfFormat().has(FormatElements::Use::Read, child.name)) countUnread(child);
+      if (kUrdfFormat.useOf(child.name) == FormatSupport::Use::Read) countUnread(child);
     }
   }
 
@@ -229,26 +229,21 @@ class UrdfReader {
 
 }  // namespace
 
-const FormatSupport& urdfFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "URDF",
-      ".urdf",
-      {{Read, "robot link visual geometry joint origin parent child mesh box cylinder sphere capsule material color"},
-       {Read, "texture"},
-       {Unused, "collision inertial axis calibration dynamics limit mimic safety_controller transmission contact"},
-       {Unused, "gazebo sensor"}},
-      "One thing, whose parts are named robot/link/visual; all joints are at 0, whatever their limits and those that "
-      "they mimic. Meshes, whose up axis in COLLADA counts for nothing, as in ROS, and solids. A material replaces "
-      "that of the mesh, except that a colour leaves "
-      "the mesh's images; the first definition of a name holds for all; `rgba` is taken as linear light, since URDF "
-      "states no colour space",
-      "elements in a wrong place, and further ones where one may stand; invisible visuals (alpha 0); transparencies "
-      "between 0 and 1 (these visuals are solid); numbers of colours above 1 (they count as 1); textures of parts "
-      "without texture coordinates; materials that are defined nowhere; joints whose limits or offsets (mimic) "
-      "exclude 0, where all joints are; materials, visuals and poses for Gazebo"};
-  return format;
-}
+const FormatSupport kUrdfFormat{
+    "URDF",
+    ".urdf",
+    "One thing, whose parts are named robot/link/visual; all joints are at 0, whatever their limits and those that "
+    "they mimic. Meshes, whose up axis in COLLADA counts for nothing, as in ROS, and solids. A material replaces "
+    "that of the mesh, except that a colour leaves the mesh's images; the first definition of a name holds for all; "
+    "`rgba` is taken as linear light, since URDF states no colour space",
+    "elements in a wrong place, and further ones where one may stand; invisible visuals (alpha 0); transparencies "
+    "between 0 and 1 (these visuals are solid); numbers of colours above 1 (they count as 1); textures of parts "
+    "without texture coordinates; materials that are defined nowhere; joints whose limits or offsets (mimic) exclude "
+    "0, where all joints are; materials, visuals and poses for Gazebo",
+    {.read = {"robot link visual geometry joint origin parent child mesh box cylinder sphere capsule material",
+              "color texture"},
+     .unused = {"collision inertial axis calibration dynamics limit mimic safety_controller transmission contact",
+                "gazebo sensor"}}};
 
 WorldFile readUrdf(const std::filesystem::path& file) {
   return UrdfReader(file).read();

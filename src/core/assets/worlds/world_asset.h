@@ -28,10 +28,10 @@ namespace scanmill {
 // contents that are left out.
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
 
-// Returns what the reader of 3D Tiles reads and leaves out.
-const FormatSupport& tilesetFormat();
+// What the reader of 3D Tiles reads and leaves out.
+extern const FormatSupport kTilesetFormat;
 
-// Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4), as tilesetFormat() says. If the tileset is on the earth, the asset's
+// Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4), as kTilesetFormat says. If the tileset is on the earth, the asset's
 // origin is the middle of the first tile whose middle is on the earth's surface, usually the root; x is east, y north
 // and z up. A node's name begins with the content's path relative to the tileset and a slash. Throws an InputError that
 // names the file.
@@ -89,17 +89,17 @@ struct WorldFile {
   std::vector<MissingFileError> missing;  // missing models, meshes and heightmaps
 };
 
-// Returns what the reader of SDF reads and leaves out.
-const FormatSupport& sdfFormat();
+// What the reader of SDF reads and leaves out.
+extern const FormatSupport kSdfFormat;
 
-// Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec), as sdfFormat() says. Throws
+// Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec), as kSdfFormat says. Throws
 // InputError with the file and its line.
 WorldFile readSdf(const std::filesystem::path& file);
 
-// Returns what the reader of URDF reads and leaves out.
-const FormatSupport& urdfFormat();
+// What the reader of URDF reads and leaves out.
+extern const FormatSupport kUrdfFormat;
 
-// Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML), as urdfFormat() says.
+// Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML), as kUrdfFormat says.
 WorldFile readUrdf(const std::filesystem::path& file);
 
 }  // namespace scanmill

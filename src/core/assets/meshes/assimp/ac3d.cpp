@@ -12,18 +12,13 @@
 
 namespace scanmill {
 
-const FormatSupport& ac3dFormat() {
-  static const FormatSupport format{
-      "AC3D",
-      ".ac, .acc, .ac3d",
-      {},
-      "Names, transforms and surfaces of objects; objects with `subdiv` are subdivided. Colours and opacity of "
-      "materials; `rgb` is taken as linear light, since AC3D states no colour space. One image for each object: the "
-      "first, or the one with the role `base`, with its `texrep` and `texoff`. Files with materials of several "
-      "lines (MAT) are refused",
-      "lines; marks of hidden objects; objects and surfaces that the file counts and lacks"};
-  return format;
-}
+const FormatSupport kAc3dFormat{
+    "AC3D", ".ac, .acc, .ac3d",
+    "Names, transforms and surfaces of objects; objects with `subdiv` are subdivided. Colours and opacity of "
+    "materials; `rgb` is taken as linear light, since AC3D states no colour space. One image for each object: the "
+    "first, or the one with the role `base`, with its `texrep` and `texoff`. Files with materials of several lines "
+    "(MAT) are refused",
+    "lines; marks of hidden objects; objects and surfaces that the file counts and lacks"};
 
 namespace {
 

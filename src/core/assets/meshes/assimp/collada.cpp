@@ -116,7 +116,7 @@ class Collada {
   // Counts surfaces of kinds that the importer does not read, and references to other files.
   void countUnread() {
     for (const pugi::xpath_node& surface : root_.select_nodes("//ph | //spline | //brep | //convex_mesh")) {
-      facts_.leftOut.addKeyword(colladaFormat(), surface.node().name());
+      facts_.leftOut.addKeyword(kColladaFormat, surface.node().name());
     }
     for (const pugi::xpath_node& instance : root_.select_nodes("//*[starts-with(name(), 'instance_')]")) {
       const std::string_view url = instance.node().attribute("url").value();
@@ -226,26 +226,20 @@ class Collada {
 
 }  // namespace
 
-const FormatSupport& colladaFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "COLLADA",
-      ".dae",
-      {{LeftOut, "ph", "polygons with holes (ph)"},
-       {LeftOut, "spline", "splines"},
-       {LeftOut, "brep", "solids by their borders (brep)"},
-       {LeftOut, "convex_mesh", "convex meshes (convex_mesh)"}},
-      "Names, transforms and surfaces of nodes. The unit multiplies the key `unit`; the axis holds unless the key `up` "
-      "is given. Nodes with `visibility` 0 are left out "
-      "with all below them. Colours, images, their places and opacity; colours are taken as linear light, as Blender "
-      "writes them: COLLADA states no colour space. Files with `skew`, `lookat`, `morph` or `instance_image` are "
-      "refused",
-      "axes and units of parts of the file (`asset` in libraries); references to other files; further sets of "
-      "texture coordinates of one image; rotations of images (rotateUV); materials without a plain diffuse "
-      "colour; numbers of `transparency` beside images; animations; colours of vertices; lines; points; joints of "
-      "skins that no node has"};
-  return format;
-}
+const FormatSupport kColladaFormat{
+    "COLLADA",
+    ".dae",
+    "Names, transforms and surfaces of nodes. The unit multiplies the key `unit`; the axis holds unless the key `up` "
+    "is given. Nodes with `visibility` 0 are left out with all below them. Colours, images, their places and "
+    "opacity; colours are taken as linear light, as Blender writes them: COLLADA states no colour space. Files with "
+    "`skew`, `lookat`, `morph` or `instance_image` are refused",
+    "axes and units of parts of the file (`asset` in libraries); references to other files; further sets of texture "
+    "coordinates of one image; rotations of images (rotateUV); materials without a plain diffuse colour; numbers of "
+    "`transparency` beside images; animations; colours of vertices; lines; points; joints of skins that no node has",
+    {.leftOut = {{"ph", "polygons with holes (ph)"},
+                 {"spline", "splines"},
+                 {"brep", "solids by their borders (brep)"},
+                 {"convex_mesh", "convex meshes (convex_mesh)"}}}};
 
 ColladaFacts colladaFacts(const std::filesystem::path& file) {
   return Collada(file).facts();

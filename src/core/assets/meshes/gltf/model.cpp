@@ -57,11 +57,11 @@ class ModelReader {
     }
     for (const Json& name : file_.list("extensionsRequired")) {
       const auto extension = name.get<std::string>();
-      if (isAppearance(extension) || gltfFormat().find(extension) != nullptr) continue;
+      if (isAppearance(extension) || kGltfFormat.useOf(extension) != FormatSupport::Use::Unknown) continue;
       model_.fail("requires the extension {}, which is not supported: export it without this extension", extension);
     }
     for (const Json& name : file_.list("extensionsUsed")) {
-      if (!isAppearance(name.get<std::string>())) model_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
+      if (!isAppearance(name.get<std::string>())) model_.leftOut.addKeyword(kGltfFormat, name.get<std::string>());
     }
   }
 
@@ -339,29 +339,25 @@ class ModelReader {
 
 }  // namespace
 
-const FormatSupport& gltfFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "glTF",
-      ".gltf, .glb, .b3dm",
-      {{Read, "KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression KHR_draco_mesh_compression"},
-       {Read, "EXT_mesh_gpu_instancing KHR_node_visibility CESIUM_RTC KHR_texture_transform EXT_texture_webp"},
-       {Read, "EXT_texture_avif KHR_texture_basisu MSFT_texture_dds"},
-       {Unused, "KHR_lights_punctual KHR_xmp_json_ld KHR_xmp FB_ngon_encoding CESIUM_primitive_outline"},
-       {Unused, "GODOT_single_root OMI_physics_body OMI_physics_shape KHR_physics_rigid_bodies KHR_implicit_shapes"},
-       {Unused, "KHR_animation_pointer"},
-       {LeftOut, "MSFT_lod", "levels of detail (MSFT_lod; the nodes of the scene are read, coarser ones too)"}},
-      "The default scene, else the first, else all nodes; a node without a name is named by its nearest ancestor with "
-      "one, else by its mesh. Triangles, strips and fans; skins and morph targets in the file's pose, or in the pose "
-      "at a time of an animation. Colours are linear light, as the specification says; the key `alpha` says where "
-      "beams pass an image. An image that cannot be decoded is warned of. Lights, physics and KHR_materials_* change "
-      "nothing",
-      "transmissions, opacities and images that fade, of materials, which are solid; emissive images of materials with "
-      "a black base colour; colours of vertices; values of vertices and instances, such as _BATCHID; points and lines; "
-      "hidden nodes; nodes outside of the scene; batch tables (.b3dm); clamped or mirrored textures, which repeat; "
-      "textures of parts without texture coordinates; channels of animations by pointers (KHR_animation_pointer)"};
-  return format;
-}
+const FormatSupport kGltfFormat{
+    "glTF",
+    ".gltf, .glb, .b3dm",
+    "The default scene, else the first, else all nodes; a node without a name is named by its nearest ancestor with "
+    "one, else by its mesh. Triangles, strips and fans; skins and morph targets in the file's pose, or in the pose "
+    "at a time of an animation. Colours are linear light, as the specification says; the key `alpha` says where "
+    "beams pass an image. An image that cannot be decoded is warned of. Lights, physics and KHR_materials_* change "
+    "nothing",
+    "transmissions, opacities and images that fade, of materials, which are solid; emissive images of materials with "
+    "a black base colour; colours of vertices; values of vertices and instances, such as _BATCHID; points and lines; "
+    "hidden nodes; nodes outside of the scene; batch tables (.b3dm); clamped or mirrored textures, which repeat; "
+    "textures of parts without texture coordinates; channels of animations by pointers (KHR_animation_pointer)",
+    {.read = {"KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression KHR_draco_mesh_compression",
+              "EXT_mesh_gpu_instancing KHR_node_visibility CESIUM_RTC KHR_texture_transform EXT_texture_webp",
+              "EXT_texture_avif KHR_texture_basisu MSFT_texture_dds"},
+     .unused = {"KHR_lights_punctual KHR_xmp_json_ld KHR_xmp FB_ngon_encoding CESIUM_primitive_outline",
+                "GODOT_single_root OMI_physics_body OMI_physics_shape KHR_physics_rigid_bodies KHR_implicit_shapes",
+                "KHR_animation_pointer"},
+     .leftOut = {{"MSFT_lod", "levels of detail (MSFT_lod; the nodes of the scene are read, coarser ones too)"}}}};
 
 Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside) {
   Container container = readContainer(file, name);

@@ -171,7 +171,7 @@ struct Model {
   }
 };
 
-const FormatSupport& gltfFormat();
+extern const FormatSupport kGltfFormat;
 
 // Reads a .gltf, .glb or .b3dm. Points and lines are counted in Model::leftOut. In the result every index, range and
 // length has been checked against the files, and the nodes of the scene form a tree. Throws an InputError with the file

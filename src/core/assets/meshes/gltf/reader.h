@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads glTF 2.0 (.gltf, .glb, .b3dm) with the extensions in gltfFormat(). Skins and morph targets have the pose that
+// Reads glTF 2.0 (.gltf, .glb, .b3dm) with the extensions in kGltfFormat. Skins and morph targets have the pose that
 // the file states or, if AssetOptions::clip is set, the pose at its time.
 
 #include <filesystem>

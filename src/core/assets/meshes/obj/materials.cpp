@@ -149,7 +149,7 @@ void readLibrary(const std::filesystem::path& file, Materials& materials) {
       material = &materials.list[materials.indexOf(std::string(statements.rest()))];
       isRepeated = std::exchange(material->defined, true);
       if (isRepeated) materials.leftOut.add("further definitions of materials (the first of a name counts)");
-    } else if (!objFormat().has(FormatElements::Use::Unused, statements.keyword())) {
+    } else if (kObjFormat.useOf(statements.keyword()) != FormatSupport::Use::Unused) {
       if (material == nullptr) statements.fail("stands before the first newmtl");
       if (!isRepeated) readKey(statements, *material, materials.leftOut);
     }

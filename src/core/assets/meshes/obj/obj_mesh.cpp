@@ -102,10 +102,11 @@ class ObjReader {
       currentPart_ = nullptr;
     } else if (key == "mtllib") {
       readLibraries();
-    } else if (vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
+    } else if (vertices_.empty() && kObjFormat.useOf(key) == FormatSupport::Use::Unknown &&
+               statements_.rest().empty()) {
       statements_.fail("is no statement of an OBJ file: is it text?");
     } else {
-      imported_.leftOut.addKeyword(objFormat(), key);
+      imported_.leftOut.addKeyword(kObjFormat, key);
     }
   }
 
@@ -257,31 +258,26 @@ class ObjReader {
 
 }  // namespace
 
-const FormatSupport& objFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "OBJ",
-      ".obj, .mtl",
-      {{Unused, "vn s mg lod bevel c_interp d_interp maplib shadow_obj trace_obj"},
-       {Unused, "vp deg bmat step cstype parm trim hole scrv sp con ctech stech res end"},
-       {Unused, "Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor"},
-       {Unused, "map_Ka map_Ks map_Ke map_Ns map_bump map_Bump bump norm disp refl map_refl"},
-       {Unused, "map_Pr map_Pm map_Ps map_aat map_Ni map_Tf"},
-       {LeftOut, "l", "lines (l)"},
-       {LeftOut, "p", "points (p)"},
-       {LeftOut, "surf", "free-form surfaces (surf)"},
-       {LeftOut, "curv curv2", "free-form curves (curv, curv2)"},
-       {LeftOut, "call csh", "other files and commands (call, csh)"},
-       {LeftOut, "usemap", "images of map libraries (usemap)"}},
-      "Coordinates in double precision; polygons are divided into triangles. The faces of one object (o) and group (g) "
-      "are one node. Of materials: Kd, d, Tr, Pr, Pm, map_Kd and map_d, with -s and -o of images. Kd is taken as "
-      "linear light, as in Blender, since OBJ states no colour space; an image counts in its place. The first "
-      "definition of a name counts. Normals, lighting and its images change nothing",
-      "further objects with the name of an earlier one, which are one node; colours of vertices; materials that no "
-      "library defines, further definitions of a name; options of images but -s and -o; placements of map_d that "
-      "differ from those of map_Kd; opacities and textures that cannot show"};
-  return format;
-}
+const FormatSupport kObjFormat{
+    "OBJ",
+    ".obj, .mtl",
+    "Coordinates in double precision; polygons are divided into triangles. The faces of one object (o) and group (g) "
+    "are one node. Of materials: Kd, d, Tr, Pr, Pm, map_Kd and map_d, with -s and -o of images. Kd is taken as "
+    "linear light, as in Blender, since OBJ states no colour space; an image counts in its place. The first "
+    "definition of a name counts. Normals, lighting and its images change nothing",
+    "further objects with the name of an earlier one, which are one node; colours of vertices; materials that no "
+    "library defines, further definitions of a name; options of images but -s and -o; placements of map_d that "
+    "differ from those of map_Kd; opacities and textures that cannot show",
+    {.unused = {"vn s mg lod bevel c_interp d_interp maplib shadow_obj trace_obj vp deg bmat step cstype parm trim",
+                "hole scrv sp con ctech stech res end Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor",
+                "map_Ka map_Ks map_Ke map_Ns map_bump map_Bump bump norm disp refl map_refl map_Pr map_Pm map_Ps",
+                "map_aat map_Ni map_Tf"},
+     .leftOut = {{"l", "lines (l)"},
+                 {"p", "points (p)"},
+                 {"surf", "free-form surfaces (surf)"},
+                 {"curv curv2", "free-form curves (curv, curv2)"},
+                 {"call csh", "other files and commands (call, csh)"},
+                 {"usemap", "images of map libraries (usemap)"}}}};
 
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options) {
   return ObjReader(file, options).read();
