@@ -26,10 +26,8 @@ std::vector<std::string> Arguments::list(const std::string& option) const {
 }
 
 double Arguments::number(const std::string& option, double least, double most) const {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = options[option].as<std::string>();
-  return readNumber(value, "--" + option, {least, most});
+  return readNumber({.kind = Value::Kind::Scalar, .text = options[option].as<std::string>()}, "--" + option,
+                    {least, most});
 }
 
 std::string Arguments::positional(const std::string& what) const {

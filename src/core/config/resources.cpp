@@ -164,10 +164,7 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
 }
 
 fs::path namedResource(const std::string& name, const std::string& subfolder) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = name;
-  return resolveResource(value, name, subfolder);
+  return resolveResource({.kind = Value::Kind::Scalar, .text = name}, name, subfolder);
 }
 
 std::string nearestResource(const std::string& name, const std::string& subfolder) {

@@ -253,9 +253,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   if (!json.is_object() || json.value("what", Json()) != kWhat) {
     throw InputError({name}, "is not a recording: /what must be '{}'", kWhat);
   }
-  Recording r;
-  r.kind = kind;
-  r.folder = folder;
+  Recording r{.kind = kind, .folder = folder};
   // A recording by another program contains passes. If it has no key `method`, the first method for passes is used.
   r.method = firstMethodThat(&MethodCapabilities::passes).name;
   readJson(root, r);

@@ -104,9 +104,7 @@ void setEntry(Value::Entry entry, Value& map) {
 
 // Returns a YAML list of the values of `member` of all lasers, in the lasers' order.
 Value listOf(const std::vector<Laser>& lasers, double Laser::*member, const Location& where) {
-  Value list;
-  list.kind = Value::Kind::Sequence;
-  list.where = where;
+  Value list{.kind = Value::Kind::Sequence, .where = where};
   for (const Laser& laser : lasers) list.items.push_back(scalar(fmt::format("{}", laser.*member), where));
   return list;
 }

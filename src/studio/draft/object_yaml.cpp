@@ -103,10 +103,7 @@ Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& pa
 
 // Returns the name of a class or material as a value of YAML, quoted only if YAML requires it.
 std::string nameValue(const std::string& name) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = name;
-  return flowText(value);
+  return flowText({.kind = Value::Kind::Scalar, .text = name});
 }
 
 using PartNames = std::array<std::string, 3>;  // names of a part, in the order of kKeys

@@ -218,11 +218,7 @@ Value withKeysOf(const NamedOptions& effect, const NamedOptions& change) {
       options.entries.push_back(entry);
     }
   }
-  Value item;
-  item.kind = Value::Kind::Map;
-  item.where = change.where;
-  item.entries.push_back({effect.name, std::move(options)});
-  return item;
+  return {.kind = Value::Kind::Map, .where = change.where, .entries = {{effect.name, std::move(options)}}};
 }
 
 EffectClasses::EffectClasses(const Pipeline& pipeline) : ontologyFile_(pipeline.ontology) {

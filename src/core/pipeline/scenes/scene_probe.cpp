@@ -61,9 +61,7 @@ std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<
     table->origin.emplace_back(Vec3f(ray.from - sensor));
     table->time.push_back(0);
   }
-  Shot shot;
-  shot.worldFromSensor = {{{}, sensor}};
-  shot.beams = table;
+  const Shot shot{.beams = table, .worldFromSensor = {{{}, sensor}}};
   Hits hits;
   method_->trace(shot, Channels(Channel::Range) | Channel::Normal | Channel::Semantic | Channel::Instance, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {

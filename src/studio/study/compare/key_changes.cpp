@@ -118,9 +118,7 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
 }
 
 std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& pipelineItems) {
-  Value list;
-  list.kind = Value::Kind::Sequence;
-  list.items = pipelineItems;
+  Value list{.kind = Value::Kind::Sequence, .items = pipelineItems};
   for (const KeyChange& change : advice) {
     const auto index = static_cast<std::size_t>(effectNamed(list.items, change.effect) - list.items.begin());
     // If the pipeline's list lacks the effect, the sensor's file has it; an item added to the list overrides the key.

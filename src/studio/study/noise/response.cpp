@@ -430,9 +430,7 @@ ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Sca
     addSurfaces(scan, scan[kPower], ofSimulated);
   }
   const std::map<SurfaceKind, double> weights = weightsOf(ofRecorded, ofSimulated);
-  ResponseFit unfitted;
-  unfitted.recorded = ofRecorded.cells.size();
-  unfitted.simulated = ofSimulated.cells.size();
+  ResponseFit unfitted{.recorded = ofRecorded.cells.size(), .simulated = ofSimulated.cells.size()};
   if (std::min(unfitted.recorded, unfitted.simulated) < kFewestSurfaces || weights.empty()) {
     throw InputError(fmt::format(
         "too few surfaces to find the response: {} recorded and {} simulated cells of {} m with at least {} "

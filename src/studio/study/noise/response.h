@@ -27,7 +27,7 @@ enum class ResponseModel { Power, Reflectivity };
 struct ResponseFit {
   bool bytes = false;  // true: intensities are integers from 0 to 255; false: any numbers
   ResponseModel model = ResponseModel::Power;
-  std::vector<std::pair<double, double>> table;  // value (power or reflectivity) and intensity, both ascending
+  std::vector<std::pair<double, double>> table{};  // value (power or reflectivity) and intensity, both ascending
   // Slope of log(intensity) over log(value) between the quartiles of the surfaces' values. The gain error of the
   // intensity divided by this slope is the gain error of the power.
   double slope = 1;
