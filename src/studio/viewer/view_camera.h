@@ -20,7 +20,6 @@ struct Projected {
   double x = 0;      // distance from the left edge (pixels)
   double y = 0;      // distance from the upper edge (pixels)
   double depth = 0;  // distance along the camera's viewing direction (m)
-  double scale = 0;  // scale at this depth (pixels per metre)
 };
 
 // The part of a scan to show: a ball (m, sensor frame).
@@ -42,12 +41,12 @@ struct ViewCamera {
 
   double nearest = 0.5;  // points nearer than this (m) are not drawn
 
-  // Projects a point. If its depth is less than `nearest`, x, y and scale are meaningless.
+  // Projects a point. If its depth is less than `nearest`, x and y are meaningless.
   Projected project(const Vec3d& point) const {
     const Vec3d p = point - eye;
     const double depth = dot(p, forward);
     const double scale = orthographic ? focal : focal / depth;
-    return {centerX + dot(p, right) * scale, centerY + dot(p, down) * scale, depth, scale};
+    return {centerX + dot(p, right) * scale, centerY + dot(p, down) * scale, depth};
   }
 };
 

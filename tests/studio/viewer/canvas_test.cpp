@@ -196,15 +196,15 @@ TEST(Canvas, ShowsWhatIsAskedFor) {
   canvas.set(1, ItemKind::Points, points, colors);
   canvas.setLook(1, sized(5));
   EXPECT_EQ(counts(), (Counts{25, 25, 25}));
-  canvas.showOnly(1, std::vector<std::uint32_t>{0, 2, 3});
+  canvas.show(1, std::vector<std::uint32_t>{0, 2, 3});
   EXPECT_EQ(counts(), (Counts{25, 0, 25}));
-  canvas.showOnly(1, {});
+  canvas.show(1, std::vector<std::uint32_t>{});
   EXPECT_EQ(counts(), (Counts{0, 0, 0}));
-  canvas.showOnly(1, std::vector<std::uint32_t>{1});
+  canvas.show(1, std::vector<std::uint32_t>{1});
   std::swap(colors[0], colors[1]);
   canvas.setColors(1, colors);
   EXPECT_EQ(counts(), (Counts{25, 0, 0}));
-  canvas.showAll(1);
+  canvas.show(1, {});
   EXPECT_EQ(counts(), (Counts{25, 25, 25}));
   canvas.set(1, ItemKind::Points, std::span(points).first(1), std::vector{kBlue});  // keeps its look, and is shown
   EXPECT_EQ(counts(), (Counts{0, 0, 25}));
@@ -315,7 +315,7 @@ TEST(Canvas, LinesHaveTheirColorsAndWidths) {
   EXPECT_NEAR(static_cast<double>(countOf(image, kRed)), 60, 2);
   EXPECT_NEAR(static_cast<double>(countOf(image, kBlue)), 60, 2);
   canvas.setLook(1, sized(4));
-  canvas.showOnly(1, std::vector<std::uint32_t>{1});
+  canvas.show(1, std::vector<std::uint32_t>{1});
   image = drawn(canvas);
   EXPECT_EQ(countOf(image, kRed), 0u);
   EXPECT_NEAR(static_cast<double>(countOf(image, kBlue)), 240, 8);
@@ -450,7 +450,7 @@ TEST(Canvas, FewerPointsAreASpreadSubset) {
   EXPECT_EQ(drawn(canvas).pixels, all.pixels);
   std::vector<std::uint32_t> upper(5000);
   for (std::uint32_t k = 0; k < upper.size(); ++k) upper[k] = k;
-  canvas.showOnly(1, upper);
+  canvas.show(1, upper);
   EXPECT_EQ(countOf(drawn(canvas, 1000), kRed), 1000u);
   EXPECT_EQ(countOf(drawn(canvas, 1000), kNight), 39000u);
 }

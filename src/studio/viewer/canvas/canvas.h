@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -127,9 +128,8 @@ class Canvas {
   virtual void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) = 0;
   // Sets the colours of an item's elements: one per point, triangle or segment.
   virtual void setColors(ItemId item, std::span<const Rgb> colors) = 0;
-  // Draws only some elements of an item, until showAll() is called. `indices`: their indices, ascending; may be empty.
-  virtual void showOnly(ItemId item, std::span<const std::uint32_t> indices) = 0;
-  virtual void showAll(ItemId item) = 0;
+  // Draws only the elements of an item with these indices (ascending; may be empty); nullopt: all elements.
+  virtual void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices) = 0;
   virtual void setLook(ItemId item, const ItemLook& look) = 0;
   virtual void drop(ItemId item) = 0;  // removes an item; does nothing if it does not exist
   // Sets an image for overlays, or replaces the image with this id. `pixels`: row by row, starting with the top row.

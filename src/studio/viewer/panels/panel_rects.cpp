@@ -13,18 +13,6 @@ int columnsFor(const PixelRect& body, int cells) {
   return shape > 1 ? cells : 1;
 }
 
-struct Interval {
-  int begin = 0, length = 1;  // pixels
-};
-
-// Divides an interval into equal cells with gaps of `gap` pixels, and returns the cell with this index.
-Interval cellOf(const Interval& interval, int cells, int index, int gap) {
-  const auto edge = [&](int i) {
-    return static_cast<int>(static_cast<std::int64_t>(interval.length + gap) * i / cells);
-  };
-  return {interval.begin + edge(index), std::max(edge(index + 1) - edge(index) - gap, 1)};
-}
-
 // Removes the lowest `height` pixels of a rectangle and returns them.
 PixelRect cutBottom(PixelRect& rect, int height) {
   rect.height -= height;
@@ -82,17 +70,22 @@ int stripHeight(int imageHeight, int width, int height) {
   return imageHeight <= 0 || imageHeight > preferred ? preferred : preferred / imageHeight * imageHeight;
 }
 
-std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells, int gap) {
+std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells) {
   constexpr int kLeastWithGaps = 16;  // least side of a cell that has gaps (pixels)
   const int count = static_cast<int>(cells);
   const int columns = columnsFor(body, count);
   const int rows = count / columns;
-  if (body.width < kLeastWithGaps * columns || body.height < kLeastWithGaps * rows) gap = 0;
+  const int gap = body.width < kLeastWithGaps * columns || body.height < kLeastWithGaps * rows ? 0 : 1;
+  const auto xAt = [&](int column) { return (body.width + gap) * column / columns; };  // left edge, relative to `body`
+  const auto yAt = [&](int row) { return (body.height + gap) * row / rows; };
   std::vector<PixelRect> rects;
-  for (int i = 0; i < count; ++i) {
-    const Interval x = cellOf({body.left, body.width}, columns, i % columns, gap);
-    const Interval y = cellOf({body.top, body.height}, rows, i / columns, gap);
-    rects.push_back({.left = x.begin, .top = y.begin, .width = x.length, .height = y.length});
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      rects.push_back({.left = body.left + xAt(column),
+                       .top = body.top + yAt(row),
+                       .width = std::max(xAt(column + 1) - xAt(column) - gap, 1),
+                       .height = std::max(yAt(row + 1) - yAt(row) - gap, 1)});
+    }
   }
   return rects;
 }

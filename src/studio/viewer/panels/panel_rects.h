@@ -37,7 +37,8 @@ PanelRects panelRects(int width, int height, const PanelNeeds& needs);
 // height is a multiple of `imageHeight`, unless `imageHeight` is too large for the canvas.
 int stripHeight(int imageHeight, int width, int height);
 
-// Divides `body` into `cells` equal rectangles of at least one pixel, `gap` pixels apart, row by row.
-std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells, int gap);
+// Divides `body` into `cells` equal rectangles of at least one pixel, row by row. Unless they are small, they are one
+// pixel apart.
+std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells);
 
 }  // namespace scanmill

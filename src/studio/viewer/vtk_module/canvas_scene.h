@@ -89,7 +89,6 @@ class CanvasScene {
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(ItemId item, std::span<const Rgb> colors);
-  // Implements showOnly() and showAll(): draws the elements with these indices (ascending); nullopt: all elements.
   void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices);
   void setLook(ItemId item, const ItemLook& look);
   void drop(ItemId item);

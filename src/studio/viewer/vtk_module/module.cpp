@@ -59,9 +59,8 @@ class VtkCanvas final : public Canvas {
     change(&CanvasScene::set, item, kind, corners, colors);
   }
   void setColors(ItemId item, std::span<const Rgb> colors) override { change(&CanvasScene::setColors, item, colors); }
-  void showAll(ItemId item) override { change(&CanvasScene::show, item, std::nullopt); }
-  void showOnly(ItemId item, std::span<const std::uint32_t> indices) override {
-    change(&CanvasScene::show, item, std::vector<std::uint32_t>(indices.begin(), indices.end()));
+  void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices) override {
+    change(&CanvasScene::show, item, std::move(indices));
   }
   void setLook(ItemId item, const ItemLook& look) override { change(&CanvasScene::setLook, item, look); }
   void drop(ItemId item) override { change(&CanvasScene::drop, item); }

@@ -34,14 +34,10 @@ void addTrack(LineSet& lines, std::span<const Vec3d> positions, std::size_t curr
 }
 
 void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color) {
-  // Bits 0, 1 and 2 of a corner's index are set if the corner is at the high end of x, y and z.
-  const auto corner = [&](int index) {
-    const auto half = [&](int bit) { return (index & bit) != 0 ? 0.5 : -0.5; };
-    return pose * Vec3d{half(1) * size.x, half(2) * size.y, half(4) * size.z};
-  };
-  for (int index = 0; index < 8; ++index) {
-    for (const int axisBit : {1, 2, 4}) {
-      if ((index & axisBit) == 0) lines.add(corner(index), corner(index | axisBit), color);
+  const std::array<Vec3d, 8> corners = Box{size * -0.5, size * 0.5}.corners();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (const std::size_t axisBit : {1, 2, 4}) {
+      if ((i & axisBit) == 0) lines.add(pose * corners[i], pose * corners[i | axisBit], color);
     }
   }
 }

@@ -171,11 +171,7 @@ OrbitCamera OrbitCamera::seeing(const std::vector<Vec3d>& points, View view, int
   if (enough || view == View::Driver) return *this;
   const Box box = boxOfMost(points);
   std::vector<Vec3d> inBox;
-  std::ranges::copy_if(points, std::back_inserter(inBox), [&](const Vec3d& p) {
-    return std::ranges::all_of(std::array{&Vec3d::x, &Vec3d::y, &Vec3d::z}, [&](double Vec3d::*axis) {
-      return box.low.*axis <= p.*axis && p.*axis <= box.high.*axis;
-    });
-  });
+  std::ranges::copy_if(points, std::back_inserter(inBox), [&](const Vec3d& p) { return box.distanceTo(p) == 0; });
   OrbitCamera moved = *this;
   moved.fillWith(inBox, box.center(), view, width, height);
   return moved;
@@ -196,28 +192,17 @@ std::string OrbitCamera::text() const {
 }
 
 OrbitCamera presetCamera(View view) {
-  OrbitCamera camera;
   switch (view) {
-    case View::Driver:
-      camera.target = {10, 0, 0};
-      camera.distance = 10;
-      camera.focal = 0.9;  // horizontal field of view of 89 degrees
+    case View::Driver:  // the horizontal field of view is 89 degrees
+      return {.target = {10, 0, 0}, .distance = 10, .focal = 0.9};
+    case View::Above:  // the y axis points up in the picture, whose height is 50 m
+      return {.yaw = kPi / 2, .pitch = kPi / 2, .distance = 50 * kUsualFocal, .orthographic = true};
+    case View::Chase:
       break;
-    case View::Above:
-      camera.yaw = kPi / 2;  // the y axis points up in the picture
-      camera.pitch = kPi / 2;
-      camera.orthographic = true;
-      camera.distance = 50 * kUsualFocal;  // the picture's height is 50 m
-      break;
-    case View::Chase: {
-      const Vec3d eye{-12, 0, 6.5};
-      camera.target = {12, 0, -2.1};
-      camera.distance = length(camera.target - eye);
-      camera.pitch = std::atan2(eye.z - camera.target.z, camera.target.x - eye.x);
-      break;
-    }
   }
-  return camera;
+  const Vec3d eye{-12, 0, 6.5}, target{12, 0, -2.1};
+  const Vec3d sight = target - eye;
+  return {.target = target, .pitch = std::atan2(-sight.z, sight.x), .distance = length(sight)};
 }
 
 CameraChoice parseCamera(const std::string& text) {

@@ -64,7 +64,7 @@ void PanelContents::fillPanes() {
 
 std::vector<CanvasView> PanelContents::views() const {
   std::vector<CanvasView> views;
-  for (const PixelRect& rect : gridRects(rects.body, panes.size(), 1)) {
+  for (const PixelRect& rect : gridRects(rects.body, panes.size())) {
     const ViewCamera camera = sceneView_.camera.camera(rect.width, rect.height);
     views.push_back({.rect = rect,
                      .camera = camera,

@@ -35,11 +35,6 @@ std::shared_ptr<const ViewFrame> Playback::take(double now) {
   return loaded;
 }
 
-std::shared_ptr<const ViewFrame> Playback::waitAndTake(double now) {
-  if (!isUpToDate()) loader_->wait(requested_);
-  return take(now);
-}
-
 void Playback::togglePlaying(double now) {
   playing_ = !playing_;
   if (!playing_) return;

@@ -25,8 +25,6 @@ class Playback {
 
   // Makes the requested frame the current one and returns it; null if it is current already or not loaded yet.
   std::shared_ptr<const ViewFrame> take(double now);
-  // Like take(), but waits until the requested frame is loaded.
-  std::shared_ptr<const ViewFrame> waitAndTake(double now);
 
   // Stops playing, or starts playing from the requested frame (if that is the last frame: from the first frame).
   void togglePlaying(double now);

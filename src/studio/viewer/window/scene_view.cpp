@@ -11,15 +11,8 @@ constexpr Rgb kTrackColor{255, 214, 64};
 std::vector<Vec3d> cornersIn(const ViewMesh& mesh, const Box& box) {
   std::vector<Vec3d> corners;
   const auto addCorners = [&](const Box& part) {
-    for (const double x : {part.low.x, part.high.x}) {
-      for (const double y : {part.low.y, part.high.y}) {
-        for (const double z : {part.low.z, part.high.z}) {
-          const bool isInBox = box.low.x <= x && x <= box.high.x && box.low.y <= y && y <= box.high.y &&
-                               box.low.z <= z && z <= box.high.z;
-          if (isInBox) corners.push_back({x, y, z});
-        }
-      }
-    }
+    std::ranges::copy_if(part.corners(), std::back_inserter(corners),
+                         [&](const Vec3d& corner) { return box.distanceTo(corner) == 0; });
   };
   for (const Box& part : mesh.partBoxes) addCorners(part);
   if (corners.size() < 8) addCorners(box);

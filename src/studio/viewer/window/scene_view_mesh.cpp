@@ -46,7 +46,7 @@ void SceneView::applyFilter() {
   meshShown.clear();
   if (!meshPlaced) return;
   const ShownFilter& filter = context_.filter;
-  if (filter.classes.showsAll() && filter.instances.empty()) return context_.canvas.showAll(kMeshItem);
+  if (filter.classes.showsAll() && filter.instances.empty()) return context_.canvas.show(kMeshItem, {});
   std::vector<std::uint32_t> indices;
   meshShown.assign(mesh->size(), 0);
   for (std::size_t i = 0; i < mesh->size(); ++i) {
@@ -54,7 +54,7 @@ void SceneView::applyFilter() {
     meshShown[i] = 1;
     indices.push_back(static_cast<std::uint32_t>(i));
   }
-  context_.canvas.showOnly(kMeshItem, indices);
+  context_.canvas.show(kMeshItem, std::move(indices));
 }
 
 void SceneView::placeMeshLook() {
@@ -170,12 +170,9 @@ bool SceneView::isBoxShown(const ObjectRecord& object) const {
       context_.options.boxes == BoxChoice::RoadUsers && !roadUsers_.empty() && context_.filter.instances.empty();
   if (onlyRoadUsers && !roadUsers_.contains(object.semantic)) return false;
   if (const auto& closeUp = context_.filter.closeUp) {
-    // The close-up's centre and the point of the box that is nearest to this centre, both in the frame of the box.
-    const Vec3d middle = inverse(canvasFromBox(object)) * (clouds_.list.front().canvasFromScan * closeUp->center);
-    const Vec3d half = object.size * 0.5;
-    const Vec3d nearest{std::clamp(middle.x, -half.x, half.x), std::clamp(middle.y, -half.y, half.y),
-                        std::clamp(middle.z, -half.z, half.z)};
-    if (length(middle - nearest) > closeUp->radius) return false;
+    const Affine boxFromScan = inverse(canvasFromBox(object)) * clouds_.list.front().canvasFromScan;
+    const Box box{object.size * -0.5, object.size * 0.5};  // in its own frame
+    if (box.distanceTo(boxFromScan * closeUp->center) > closeUp->radius) return false;
   }
   return context_.filter.showsInstance(object.id) && context_.filter.classes.shows(object.semantic);
 }

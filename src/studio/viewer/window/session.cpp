@@ -60,11 +60,10 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
 }
 
 void ViewSession::drawWhenLoaded() {
-  if (auto loaded = playback_.waitAndTake(context_.redraw.now())) showFrame(std::move(loaded));
-  if (sceneView_.isMeshOn() && sceneView_.meshWanted) {
-    auto loaded = playback_.loader().waitMesh(*sceneView_.meshWanted);
-    if (loaded != sceneView_.mesh) sceneView_.takeMesh(std::move(loaded));
-  }
+  if (!playback_.isUpToDate()) playback_.loader().wait(playback_.requested());
+  takeWhatIsLoaded();  // the frame, which determines the wanted mesh
+  if (sceneView_.isMeshOn() && sceneView_.meshWanted) playback_.loader().waitMesh(*sceneView_.meshWanted);
+  takeWhatIsLoaded();
   playback_.clearBusy();
   context_.notices.clear();
   context_.changes.panels = true;

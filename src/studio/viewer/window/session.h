@@ -46,7 +46,6 @@ class ViewSession {
   // Functions in session_events.cpp:
   void handleButtonOrWheel(const CanvasEvent& event);
   void tick();
-  void key(const CanvasEvent& event);
   void execute(const KeyMeaning& meaning);
   void escape();
   void resizePoints(int pixels);

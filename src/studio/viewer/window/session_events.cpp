@@ -27,8 +27,10 @@ bool ViewSession::handle(const CanvasEvent& event) {
         panels_.imgui.take(event);
         runPanels();
         context_.changes.panels = true;
-      } else {
-        key(event);
+      } else if (const auto meaning = keyMeaning(event.key)) {
+        context_.executing = meaning;
+        execute(*meaning);
+        context_.executing.reset();
       }
       break;
     case CanvasEvent::Kind::Down:
@@ -89,14 +91,6 @@ void ViewSession::tick() {
   }
   if (context_.removeOldNotices()) context_.changes.panels = true;
   if (!playback_.playing() && pointer_.drag.button == 0 && context_.redraw.allPointsDue()) flush(Detail::AllPoints);
-}
-
-void ViewSession::key(const CanvasEvent& event) {
-  const auto meaning = keyMeaning(event.key);
-  if (!meaning) return;
-  context_.executing = meaning;
-  execute(*meaning);
-  context_.executing.reset();
 }
 
 // Executes a command, or tells the user why it does nothing for a scene without scans.

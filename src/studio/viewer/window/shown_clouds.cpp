@@ -162,13 +162,7 @@ void ShownClouds::recolor(std::size_t view) {
 }
 
 void ShownClouds::applyFilter() {
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    if (const auto indices = filtered(list[k])) {
-      context_.canvas.showOnly(cloudItem(k), *indices);
-    } else {
-      context_.canvas.showAll(cloudItem(k));
-    }
-  }
+  for (std::size_t k = 0; k < list.size(); ++k) context_.canvas.show(cloudItem(k), filtered(list[k]));
   instanceProblem.clear();
   for (const std::uint32_t id : context_.filter.instances) {
     const auto hasInstance = [&](const ShownCloud& cloud) {

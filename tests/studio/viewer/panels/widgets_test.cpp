@@ -237,7 +237,7 @@ TEST(PanelRects, FillTheCanvasAndLeaveABody) {
 TEST(PanelRects, PartsAreAlikeAndFillTheBody) {
   for (const PixelRect& body : {PixelRect{0, 20, 1300, 700}, PixelRect{3, 5, 200, 900}, PixelRect{0, 0, 7, 5}}) {
     for (std::size_t parts = 1; parts <= kCanvasViews; ++parts) {
-      const auto rects = gridRects(body, parts, 1);
+      const auto rects = gridRects(body, parts);
       ASSERT_EQ(rects.size(), parts);
       long area = 0;
       for (const PixelRect& rect : rects) {

@@ -53,12 +53,12 @@ class FakeCanvas : public Canvas {
     require(colors.size() == i.colors.size(), "as many colours as before");
     i.colors.assign(colors.begin(), colors.end());
   }
-  void showAll(ItemId item) override { itemOf(item).shown.reset(); }
-  void showOnly(ItemId item, std::span<const std::uint32_t> indices) override {
+  void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices) override {
     Item& i = itemOf(item);
-    require(std::ranges::is_sorted(indices), "indices ascend");
-    require(indices.empty() || indices.back() < i.colors.size(), "indices are within the item");
-    i.shown.emplace(indices.begin(), indices.end());
+    i.shown = std::move(indices);
+    if (!i.shown) return;
+    require(std::ranges::is_sorted(*i.shown), "indices ascend");
+    require(i.shown->empty() || i.shown->back() < i.colors.size(), "indices are within the item");
   }
   void setLook(ItemId item, const ItemLook& look) override { itemOf(item).look = look; }
   void drop(ItemId item) override { items.erase(item); }

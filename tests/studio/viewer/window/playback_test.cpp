@@ -11,7 +11,8 @@ struct Player {
   }
   // Waits for the requested frame and returns its index.
   std::size_t wait(double now = 0) {
-    playback->waitAndTake(now);
+    if (!playback->isUpToDate()) playback->loader().wait(playback->requested());
+    playback->take(now);
     return *playback->current();
   }
 
@@ -49,7 +50,8 @@ TEST(Playback, TakesAFrameOnceItIsLoaded) {
   EXPECT_FALSE(player.playback->isUpToDate());
   EXPECT_EQ(player.playback->current(), 0u) << "the old frame stays until the new one is loaded";
   player.frames->setOpen(true);
-  const auto frame = player.playback->waitAndTake(0);
+  player.playback->loader().wait(2);
+  const auto frame = player.playback->take(0);
   ASSERT_NE(frame, nullptr);
   EXPECT_EQ(frame->key, "sample-102");
   EXPECT_EQ(player.playback->take(0), nullptr) << "each frame is given out once";
