@@ -337,14 +337,12 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
   std::vector<Verification> parts(manifest.shards.size());
   std::mutex mutex;
   std::uint64_t done = 0;
-  parallelFor(parts.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const auto shard = static_cast<std::uint32_t>(i);
-      parts[i] = ShardCheck(folder, manifest, shard, undescribed.contains(shard) ? nullptr : &samples[i]).run();
-      if (!progress) continue;
-      const std::scoped_lock lock(mutex);
-      progress(++done, parts.size());
-    }
+  parallelForEach(parts.size(), 1, [&](std::size_t i) {
+    const auto shard = static_cast<std::uint32_t>(i);
+    parts[i] = ShardCheck(folder, manifest, shard, undescribed.contains(shard) ? nullptr : &samples[i]).run();
+    if (!progress) return;
+    const std::scoped_lock lock(mutex);
+    progress(++done, parts.size());
   });
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
     const Verification& part = parts[i];

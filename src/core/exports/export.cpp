@@ -295,9 +295,7 @@ class Export {
       if (options_.progress) options_.progress(stage, doneFrames, allFrames);
       return sample;
     };
-    parallelFor(units.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) work(units[i], readSample);
-    });
+    parallelForEach(units.size(), 1, [&](std::size_t i) { work(units[i], readSample); });
   }
 
   const ExportOptions& options_;

@@ -159,9 +159,8 @@ Scene simplified(const Scene& scene, double keep) {
   if (!(keep > 0 && keep <= 1)) throw Error("a share of {} of the triangles cannot be kept", keep);
   Scene result = scene;
   if (keep == 1) return result;
-  parallelFor(scene.meshes.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t m = first; m < last; ++m) simplify(scene, scene.meshes[m], keep, result.meshes[m]);
-  });
+  parallelForEach(scene.meshes.size(), 1,
+                  [&](std::size_t m) { simplify(scene, scene.meshes[m], keep, result.meshes[m]); });
   return result;
 }
 

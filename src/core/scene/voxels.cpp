@@ -97,15 +97,13 @@ struct SceneVoxels::Candidate {
 };
 
 SceneVoxels::SceneVoxels(const Scene& scene) : scene_(scene), blocks_(scene.meshes.size()), bounds_(blocks_.size()) {
-  parallelFor(scene.meshes.size(), 1, [&](std::size_t firstMesh, std::size_t lastMesh) {
-    for (std::size_t m = firstMesh; m < lastMesh; ++m) {
-      const Mesh& mesh = scene.meshes[m];
-      blocks_[m].resize((mesh.triangles.size() + kBlock - 1) / kBlock);
-      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        for (const std::uint32_t corner : mesh.triangles[t]) blocks_[m][t / kBlock].add(Vec3d(mesh.positions[corner]));
-      }
-      for (const Box& block : blocks_[m]) bounds_[m].add(block);
+  parallelForEach(scene.meshes.size(), 1, [&](std::size_t m) {
+    const Mesh& mesh = scene.meshes[m];
+    blocks_[m].resize((mesh.triangles.size() + kBlock - 1) / kBlock);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (const std::uint32_t corner : mesh.triangles[t]) blocks_[m][t / kBlock].add(Vec3d(mesh.positions[corner]));
     }
+    for (const Box& block : blocks_[m]) bounds_[m].add(block);
   });
   for (const SemanticClass& c : scene.ontology.classes) {
     if (c.movingOf) movingClasses_.emplace(*c.movingOf, c.id);
@@ -196,11 +194,9 @@ VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid
   VoxelLabels labels;
   labels.label.resize(grid.voxels());
   std::vector<std::vector<std::uint32_t>> unlabeled(slabs);
-  parallelFor(slabs, 1, [&](std::size_t firstSlab, std::size_t lastSlab) {
-    for (std::size_t slab = firstSlab; slab < lastSlab; ++slab) {
-      const auto firstX = static_cast<std::uint32_t>(slab * kSlab);
-      labelLayers(grid, candidates, firstX, std::min(firstX + kSlab, grid.counts[0]), labels, unlabeled[slab]);
-    }
+  parallelForEach(slabs, 1, [&](std::size_t slab) {
+    const auto firstX = static_cast<std::uint32_t>(slab * kSlab);
+    labelLayers(grid, candidates, firstX, std::min(firstX + kSlab, grid.counts[0]), labels, unlabeled[slab]);
   });
   for (const std::vector<std::uint32_t>& slabVoxels : unlabeled) {
     labels.unlabeled.insert(labels.unlabeled.end(), slabVoxels.begin(), slabVoxels.end());

@@ -152,11 +152,9 @@ class BeamErrorSum::Impl {
     auto byClass = errors.byClass.begin();
     for (const auto& [id, sum] : classes_) addSpreads(sum, (byClass++)->errors);
     // Computing percentiles takes most of the time, so several threads share the lists of errors.
-    parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        const auto& [values, result] = spreads[i];
-        *result = spreadOf({values->begin(), values->end()});
-      }
+    parallelForEach(spreads.size(), 1, [&](std::size_t i) {
+      const auto& [values, result] = spreads[i];
+      *result = spreadOf({values->begin(), values->end()});
     });
     errors.byThickness = recall(kThicknessEdges, &InstanceSize::smallest);
     errors.byLength = recall(kLengthEdges, &InstanceSize::largest);

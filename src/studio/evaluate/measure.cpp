@@ -111,14 +111,12 @@ std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const
   const FiniteCloud target(to);
   if (target.points.empty()) return distances;
   const Tree tree(3, target);
-  parallelFor(from.size(), 1024, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      if (!isFinite(from[i])) continue;
-      std::uint32_t index = 0;
-      float squaredDistance = 0;
-      tree.knnSearch(&from[i].x, 1, &index, &squaredDistance);
-      distances[i] = static_cast<float>(std::sqrt(double{squaredDistance}));
-    }
+  parallelForEach(from.size(), 1024, [&](std::size_t i) {
+    if (!isFinite(from[i])) return;
+    std::uint32_t index = 0;
+    float squaredDistance = 0;
+    tree.knnSearch(&from[i].x, 1, &index, &squaredDistance);
+    distances[i] = static_cast<float>(std::sqrt(double{squaredDistance}));
   });
   return distances;
 }

@@ -128,14 +128,12 @@ void measure(const Plan& plan, SampleCosts& costs) {
   costs.sceneSeconds = static_cast<double>(std::clock() - startTicks) / CLOCKS_PER_SEC;
   std::vector<double> bytes(sampleCount);
   const auto makeAll = [&] {
-    parallelFor(sampleCount, 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        const MadeSample sample = maker.make({0, static_cast<std::uint32_t>(i), i});
-        Sha256 hash;  // a shard's hash is part of the cost of writing
-        for (const Member& file : sample.sample.files) hash.add(file.bytes);
-        hash.hex();
-        bytes[i] = static_cast<double>(bytesInShard(sample.sample));
-      }
+    parallelForEach(sampleCount, 1, [&](std::size_t i) {
+      const MadeSample sample = maker.make({0, static_cast<std::uint32_t>(i), i});
+      Sha256 hash;  // a shard's hash is part of the cost of writing
+      for (const Member& file : sample.sample.files) hash.add(file.bytes);
+      hash.hex();
+      bytes[i] = static_cast<double>(bytesInShard(sample.sample));
     });
   };
   makeAll();

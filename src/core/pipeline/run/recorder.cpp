@@ -56,10 +56,8 @@ void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
   }
   {
     const StageTimer timer(clock_, "write_passes");
-    parallelFor(step.images.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        scanmill::writePasses(writer_->folder() / written.images[i], step.images[i]);
-      }
+    parallelForEach(step.images.size(), 1, [&](std::size_t i) {
+      scanmill::writePasses(writer_->folder() / written.images[i], step.images[i]);
     });
   }
   record.steps.push_back(std::move(written));

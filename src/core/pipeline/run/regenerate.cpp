@@ -67,13 +67,11 @@ std::string hashOf(const fs::path& file) {
 
 std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest& manifest) {
   std::vector<char> damaged(manifest.shards.size());
-  parallelFor(damaged.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const fs::path file = folder / manifest.shards[i].file;
-      std::error_code failure;
-      damaged[i] = !fs::is_regular_file(file, failure) || fs::file_size(file, failure) != manifest.shards[i].bytes ||
-                   hashOf(file) != manifest.shards[i].sha256;
-    }
+  parallelForEach(damaged.size(), 1, [&](std::size_t i) {
+    const fs::path file = folder / manifest.shards[i].file;
+    std::error_code failure;
+    damaged[i] = !fs::is_regular_file(file, failure) || fs::file_size(file, failure) != manifest.shards[i].bytes ||
+                 hashOf(file) != manifest.shards[i].sha256;
   });
   std::vector<std::uint64_t> damagedIndices;
   for (std::size_t i = 0; i < damaged.size(); ++i) {

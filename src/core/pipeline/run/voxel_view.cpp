@@ -141,13 +141,11 @@ std::vector<std::uint8_t> beamMarks(const VoxelGrid& grid, const Shot& shot, std
   const std::vector<Affine> gridFromStep = gridFromSteps(shot);
   const std::vector<double> lengths = beamLengths(shot, raysPerBeam, hits);
   std::vector<std::uint8_t> marks(grid.voxels());
-  parallelFor(lengths.size(), kBeamsAtOnce, [&](std::size_t first, std::size_t last) {
-    for (std::size_t beam = first; beam < last; ++beam) {
-      if (!(lengths[beam] > 0)) continue;
-      const Affine& gridFromSensor = gridFromStep[shot.stepOf(static_cast<std::uint32_t>(beam % beams.columns))];
-      const Vec3d origin = beams.originOf(beam);
-      markRay(grid, gridFromSensor * origin, gridFromSensor.linear * beams.direction[beam], lengths[beam], marks);
-    }
+  parallelForEach(lengths.size(), kBeamsAtOnce, [&](std::size_t beam) {
+    if (!(lengths[beam] > 0)) return;
+    const Affine& gridFromSensor = gridFromStep[shot.stepOf(static_cast<std::uint32_t>(beam % beams.columns))];
+    const Vec3d origin = beams.originOf(beam);
+    markRay(grid, gridFromSensor * origin, gridFromSensor.linear * beams.direction[beam], lengths[beam], marks);
   });
   return marks;
 }

@@ -254,9 +254,7 @@ class ExactTracer::Impl {
         materials_(compactMaterials(scene)) {
     if (scene.moves()) throw Error("the exact reference takes scenes whose objects stand still");
     blocks_.resize(scene.meshes.size());
-    parallelFor(blocks_.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t m = first; m < last; ++m) blocks_[m] = blockOf(scene, scene.meshes[m]);
-    });
+    parallelForEach(blocks_.size(), 1, [&](std::size_t m) { blocks_[m] = blockOf(scene, scene.meshes[m]); });
     if (materials_.empty()) materials_.emplace_back();
   }
 

@@ -61,10 +61,8 @@ struct SplitSamples {
 
 std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& manifest, bool hashed) {
   std::vector<std::string> faults(manifest.shards.size());
-  parallelFor(faults.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      faults[i] = faultOf(folder / manifest.shards[i].file, manifest.shards[i], hashed);
-    }
+  parallelForEach(faults.size(), 1, [&](std::size_t i) {
+    faults[i] = faultOf(folder / manifest.shards[i].file, manifest.shards[i], hashed);
   });
   return faults;
 }
@@ -85,18 +83,16 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
     if (reading.stop != nullptr && *reading.stop) throw Error("stopped: nothing was written");
     const std::size_t count = std::min(kBatchScans, places.size() - begin);
     std::vector<std::uint64_t> points(count, 0);
-    parallelFor(count, 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        const ScanIndex& index = places[begin + i];
-        const fs::path shard = store.folder() / manifest.shards[manifest.samples[index.sample].shard].file;
-        if (!isFile(shard)) continue;  // shardFaults() reports the missing shard
-        try {
-          Scan scan = readScan(store, index);
-          points[i] = scan.size();
-          reading.take(begin + i, std::move(scan));
-        } catch (const InputError& error) {
-          problems[begin + i] = readingFault(store, index.sample, error);
-        }
+    parallelForEach(count, 1, [&](std::size_t i) {
+      const ScanIndex& index = places[begin + i];
+      const fs::path shard = store.folder() / manifest.shards[manifest.samples[index.sample].shard].file;
+      if (!isFile(shard)) return;  // shardFaults() reports the missing shard
+      try {
+        Scan scan = readScan(store, index);
+        points[i] = scan.size();
+        reading.take(begin + i, std::move(scan));
+      } catch (const InputError& error) {
+        problems[begin + i] = readingFault(store, index.sample, error);
       }
     });
     if (reading.advance) {

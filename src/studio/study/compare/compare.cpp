@@ -257,14 +257,12 @@ std::vector<SeparationSums> separateFeatures(SetComparison& result, const Groups
   const auto isInOddScan = [&](std::size_t i) { return isRealCompared(i) && real.scan[i] % 2 == 1; };
   std::vector<SeparationSums> sums(kFeatureCount);
   result.withinReal.fill(kUnmeasured);
-  parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      sums[f] = separate(strataOf(real, realGroups, f, isRealCompared),
-                         strataOf(simulated, simulatedGroups, f, isSimulatedCompared));
-      const SeparationSum within =
-          separate(strataOf(real, realGroups, f, isInEvenScan), strataOf(real, realGroups, f, isInOddScan)).all;
-      if (within.weight > 0) result.withinReal[f] = within.mean(f).strength;
-    }
+  parallelForEach(kFeatureCount, 1, [&](std::size_t f) {
+    sums[f] = separate(strataOf(real, realGroups, f, isRealCompared),
+                       strataOf(simulated, simulatedGroups, f, isSimulatedCompared));
+    const SeparationSum within =
+        separate(strataOf(real, realGroups, f, isInEvenScan), strataOf(real, realGroups, f, isInOddScan)).all;
+    if (within.weight > 0) result.withinReal[f] = within.mean(f).strength;
   });
   return sums;
 }

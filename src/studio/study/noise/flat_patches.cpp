@@ -341,12 +341,10 @@ std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector
   for (std::uint32_t scan = 0; scan < scans.size(); ++scan) {
     for (std::uint32_t tested = 0; tested < 2; ++tested) {
       std::vector<std::vector<FlatPatch>> perRow(rows);
-      parallelFor(rows, 1, [&](std::size_t first, std::size_t last) {
-        for (std::size_t row = first; row < last; ++row) {
-          for (std::uint32_t column = 0; column < starts; column += kColumnStep) {
-            const PatchWindow window{scan, static_cast<std::uint32_t>(row), column, tested};
-            if (auto patch = measurePatch(beams, image, scans[scan], window)) perRow[row].push_back(std::move(*patch));
-          }
+      parallelForEach(rows, 1, [&](std::size_t row) {
+        for (std::uint32_t column = 0; column < starts; column += kColumnStep) {
+          const PatchWindow window{scan, static_cast<std::uint32_t>(row), column, tested};
+          if (auto patch = measurePatch(beams, image, scans[scan], window)) perRow[row].push_back(std::move(*patch));
         }
       });
       for (std::vector<FlatPatch>& row : perRow) {

@@ -80,19 +80,17 @@ std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std:
            std::ranges::none_of(returns, [&](const BeamPoint& p) { return isFalsePositive(scan, p.point); });
   };
   std::vector<float> errors(scan.size(), kUnknown);
-  parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      if (!isFinite(scan.position[i]) || isFalsePositive(scan, i)) continue;
-      const PointKey key = keyOf(scan, i);
-      const std::span<const BeamPoint> candidates = pointsOf(referencePoints, key);
-      const bool byNumber = areNumbered && candidates.size() > 1 && numbersMatch(key, candidates.size());
-      double least = std::numeric_limits<double>::infinity();
-      for (const BeamPoint& candidate : candidates) {
-        if (byNumber && keyOf(reference, candidate.point).number != key.number) continue;
-        least = std::min(least, length(Vec3d(scan.position[i]) - Vec3d(reference.position[candidate.point])));
-      }
-      if (std::isfinite(least)) errors[i] = static_cast<float>(least);
+  parallelForEach(scan.size(), kGrain, [&](std::size_t i) {
+    if (!isFinite(scan.position[i]) || isFalsePositive(scan, i)) return;
+    const PointKey key = keyOf(scan, i);
+    const std::span<const BeamPoint> candidates = pointsOf(referencePoints, key);
+    const bool byNumber = areNumbered && candidates.size() > 1 && numbersMatch(key, candidates.size());
+    double least = std::numeric_limits<double>::infinity();
+    for (const BeamPoint& candidate : candidates) {
+      if (byNumber && keyOf(reference, candidate.point).number != key.number) continue;
+      least = std::min(least, length(Vec3d(scan.position[i]) - Vec3d(reference.position[candidate.point])));
     }
+    if (std::isfinite(least)) errors[i] = static_cast<float>(least);
   });
   return errors;
 }
@@ -101,17 +99,15 @@ std::vector<float> rangeErrors(const Scan& scan, const BeamTable* beams) {
   if (scan[kRangeTrue].empty()) return {};
   std::vector<float> errors(scan.size(), kUnknown);
   const bool offAxis = beams != nullptr && !beams->origin.empty() && knowsBeams(scan);
-  parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      if (!isFinite(scan.position[i]) || !std::isfinite(scan[kRangeTrue][i])) continue;
-      Vec3d origin;
-      if (offAxis) {
-        const PointKey beam = keyOf(scan, i);
-        if (beam.ring >= beams->rings || beam.column >= beams->columns) continue;
-        origin = Vec3d(beams->origin[beam.ring * beams->columns + beam.column]);
-      }
-      errors[i] = static_cast<float>(std::abs(length(Vec3d(scan.position[i]) - origin) - double{scan[kRangeTrue][i]}));
+  parallelForEach(scan.size(), kGrain, [&](std::size_t i) {
+    if (!isFinite(scan.position[i]) || !std::isfinite(scan[kRangeTrue][i])) return;
+    Vec3d origin;
+    if (offAxis) {
+      const PointKey beam = keyOf(scan, i);
+      if (beam.ring >= beams->rings || beam.column >= beams->columns) return;
+      origin = Vec3d(beams->origin[beam.ring * beams->columns + beam.column]);
     }
+    errors[i] = static_cast<float>(std::abs(length(Vec3d(scan.position[i]) - origin) - double{scan[kRangeTrue][i]}));
   });
   return errors;
 }

@@ -272,9 +272,7 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
   nameScans(scans);
   const bool sensorsDiffer = !std::ranges::all_of(
       scans, [&](const Loading& l) { return isSameName(l.stored.sensor, scans.front().stored.sensor); });
-  parallelFor(scans.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) loadScan(scans[i], view.key, sensorsDiffer);
-  });
+  parallelForEach(scans.size(), 1, [&](std::size_t i) { loadScan(scans[i], view.key, sensorsDiffer); });
   for (Loading& l : scans) {
     if (std::string damage = l.loaded ? l.store->scans->damage(l.sample) : ""; !damage.empty()) {
       l.problems.push_back(fmt::format("{}; what lies before that is shown", damage));

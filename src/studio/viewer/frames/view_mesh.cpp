@@ -127,11 +127,9 @@ void fillTriangles(const Scene& scene, ViewMesh& view) {
 void fillBoxes(ViewMesh& view) {
   constexpr std::size_t kCorners = 3 * ViewMesh::kTrianglesPerBox;
   view.boxes.resize((view.size() + ViewMesh::kTrianglesPerBox - 1) / ViewMesh::kTrianglesPerBox);
-  parallelFor(view.boxes.size(), kBoxGrain, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b) {
-      const std::size_t end = std::min((b + 1) * kCorners, view.corners.size());
-      for (std::size_t c = b * kCorners; c < end; ++c) view.boxes[b].add(Vec3d(view.corners[c]));
-    }
+  parallelForEach(view.boxes.size(), kBoxGrain, [&](std::size_t b) {
+    const std::size_t end = std::min((b + 1) * kCorners, view.corners.size());
+    for (std::size_t c = b * kCorners; c < end; ++c) view.boxes[b].add(Vec3d(view.corners[c]));
   });
   for (const Box& box : view.boxes) view.bounds.add(box);
   view.partBoxes.resize(view.parts.size());
