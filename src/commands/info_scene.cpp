@@ -168,9 +168,7 @@ void printParts(std::vector<ListedPart> parts, bool hasCopies) {
 }  // namespace
 
 void printScene(const std::filesystem::path& file, std::uint64_t seed) {
-  SceneOptions options;
-  options.seed = seed;
-  const Scene scene = readScene(file, options);
+  const Scene scene = readScene(file, {.seed = seed});
   const Box box = boundsAtRest(scene);
   printText("scene {}: {} triangles in memory, {} placed; {} instances, {} things\n", scene.name,
             grouped(scene.triangles()), grouped(scene.placedTriangles()), grouped(scene.instances.size()),

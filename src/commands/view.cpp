@@ -396,8 +396,7 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view out/quickstart --range-image-alone --color range --screenshot ranges.png\n"
                      "  scanmill view scenes/street.yaml\n" +
                          keyHelp);
-  ViewInput input;
-  input.path = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
+  ViewInput input{.path = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"})};
   const bool offscreen = parsed.has("screenshot") || parsed.has("pick");
   const PictureSize size = parsed.has("size") ? readPictureSize(parsed.text("size"))
                            : offscreen        ? PictureSize{1600, 900}

@@ -317,8 +317,7 @@ void checkUnlistedFiles(const fs::path& folder, const Manifest& manifest, std::v
 Verification verifyDataset(const fs::path& folder, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   std::map<std::uint32_t, std::string> undescribed;
   const Manifest manifest = readManifest(folder, undescribed);
-  Verification total;
-  total.shards = manifest.shards.size();
+  Verification total{.shards = manifest.shards.size()};
   if (const std::string problem = digestProblem(readFile(folder / kManifestName)); !problem.empty()) {
     total.problems.push_back(fmt::format("{}: {}", kManifestName, problem));
   }

@@ -15,10 +15,10 @@
 namespace scanmill {
 
 struct SceneOptions {
-  std::uint64_t seed = 1;          // seed of all random numbers of the scene
-  std::filesystem::path ontology;  // if not empty, replaces the ontology that the scene file names
-  int wavelengthNm = 905;          // nm, wavelength for which the material table is read
-  bool textures = true;            // false: only textures for cut-outs and for rules about colours are loaded
+  std::uint64_t seed = 1;            // seed of all random numbers of the scene
+  std::filesystem::path ontology{};  // if not empty, replaces the ontology that the scene file names
+  int wavelengthNm = 905;            // nm, wavelength for which the material table is read
+  bool textures = true;              // false: only textures for cut-outs and for rules about colours are loaded
   // If not null, adds further objects after the objects of the file, whose list of objects may then be empty.
   std::function<void(SceneBuilder&)> add = nullptr;
 };

@@ -5,8 +5,7 @@
 namespace scanmill {
 
 Spread spreadOf(std::vector<double> values) {
-  Spread s;
-  s.count = values.size();
+  Spread s{.count = values.size()};
   if (values.empty()) return s;
   double sum = 0, squares = 0;
   for (const double v : values) {

@@ -71,9 +71,7 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
 
 std::unique_ptr<const Worlds> ownWorlds(const Scene& scene, const Method& method) {
   if (method.worlds() != nullptr) return nullptr;
-  HierarchyOptions options;
-  options.occlusionFilter = thingFilter;
-  return std::make_unique<const Worlds>(scene, Instancing::Auto, options);
+  return std::make_unique<const Worlds>(scene, Instancing::Auto, HierarchyOptions{.occlusionFilter = thingFilter});
 }
 
 }  // namespace
