@@ -64,13 +64,6 @@ std::filesystem::path Arguments::pipeline() const {
 
 namespace {
 
-const Command& commandNamed(std::string_view name) {
-  for (const Command& command : commands()) {
-    if (command.name == name) return command;
-  }
-  throw Error("no command '{}'", name);
-}
-
 // Returns the value of --threads; 0 (all cores) if it is not given. Throws InputError unless it is from 0 to 1024.
 int threadOption(const Arguments& arguments) {
   const int threads = arguments.has("threads") ? arguments.options["threads"].as<int>() : 0;
@@ -107,10 +100,11 @@ std::uint64_t memoryOption(const Arguments& arguments) {
 }  // namespace
 
 CommandOptions::CommandOptions(std::string_view name)
-    : cxxopts::Options(fmt::format("scanmill {}", name), std::string(commandNamed(name).summary)),
+    : cxxopts::Options(fmt::format("scanmill {}", name),
+                       std::string(requireNamed(commands(), "command", name).summary)),
       command(name),
       add(add_options()) {
-  positional_help(std::string(commandNamed(name).usage)).show_positional_help();
+  positional_help(std::string(requireNamed(commands(), "command", name).usage)).show_positional_help();
   add("h,help", "print this help");
   add_options("positional")("input", "", listValue());
   parse_positional({"input"});
@@ -134,7 +128,8 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
     printText("{}\n\nExamples:\n{}", help, examples);
     throw HelpPrinted();
   }
-  parsed.limits = std::make_unique<ResourceLimits>(parsed);
+  const double inputFactor = parsed.has("input-limit") ? parsed.number("input-limit", 1, 1e6) : 1;
+  parsed.limits = std::make_unique<ResourceLimits>(inputFactor, threadOption(parsed), memoryOption(parsed));
   return parsed;
 }
 
@@ -160,9 +155,10 @@ void addPipelineOptions(CommandOptions& options) {
               listValue(), "key=value");
 }
 
-std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
+std::vector<std::string> pipelineOverrides(const Arguments& arguments, const std::vector<std::string>& further) {
   std::vector<std::string> overrides = arguments.list("set");
   if (arguments.has("seed")) overrides.push_back("seed=" + arguments.text("seed"));
+  overrides.insert(overrides.end(), further.begin(), further.end());
   return overrides;
 }
 
@@ -212,10 +208,5 @@ std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
   if (!passes.empty()) return std::make_shared<const Recording>(readRecording(passes, RecordingKind::Passes));
   return nullptr;
 }
-
-ResourceLimits::ResourceLimits(const Arguments& arguments)
-    : input_(arguments.has("input-limit") ? arguments.number("input-limit", 1, 1e6) : 1),
-      threads_(threadOption(arguments)),
-      memory_(memoryOption(arguments)) {}
 
 }  // namespace scanmill

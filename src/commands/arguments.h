@@ -22,17 +22,13 @@
 
 namespace scanmill {
 
-struct Arguments;
-
 // Applies the options --threads, --memory-limit and --input-limit, if they are given, for the lifetime of the object.
-class ResourceLimits {
- public:
-  explicit ResourceLimits(const Arguments& arguments);
-
- private:
-  InputLimitFactor input_;
-  ThreadLimit threads_;
-  MemoryLimit memory_;
+struct ResourceLimits {
+  ResourceLimits(double inputFactor, int threadCount, std::uint64_t memoryBytes)
+      : input(inputFactor), threads(threadCount), memory(memoryBytes) {}
+  InputLimitFactor input;
+  ThreadLimit threads;
+  MemoryLimit memory;
 };
 
 // The parsed arguments of a subcommand. Its resource limits (--threads and others) apply until `limits` is destroyed.
@@ -88,7 +84,9 @@ void addInputLimit(CommandOptions& options);
 
 // Adds --threads, --memory-limit, --input-limit, --seed and --set, for commands that read a pipeline.
 void addPipelineOptions(CommandOptions& options);
-std::vector<std::string> pipelineOverrides(const Arguments& arguments);
+// Returns the values of --set, the value of --seed as an override of the key `seed`, and then the overrides in
+// `further`.
+std::vector<std::string> pipelineOverrides(const Arguments& arguments, const std::vector<std::string>& further = {});
 
 // Adds --from-hits and --from-passes, for commands that accept a recording in place of scenes.
 void addRecordingOptions(CommandOptions& options);

@@ -21,9 +21,7 @@ std::string rangeText(const std::string& least, const std::string& most) {
 
 SampleCosts sampleCosts(const Arguments& parsed, const Plan& plan) {
   return measureSampleCosts(plan, [&](const std::vector<std::string>& forecastOverrides) {
-    std::vector<std::string> overrides = pipelineOverrides(parsed);
-    overrides.insert(overrides.end(), forecastOverrides.begin(), forecastOverrides.end());
-    return readPipeline(parsed.pipeline(), overrides);
+    return readPipeline(parsed.pipeline(), pipelineOverrides(parsed, forecastOverrides));
   });
 }
 

@@ -115,9 +115,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
 
 // Returns the plan of the command's pipeline. `sweepOverrides`: overrides that are applied after --set and --seed.
 Plan planOf(const Arguments& parsed, const std::vector<std::string>& sweepOverrides) {
-  std::vector<std::string> overrides = pipelineOverrides(parsed);
-  overrides.insert(overrides.end(), sweepOverrides.begin(), sweepOverrides.end());
-  return makePlan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)),
+  return makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed, sweepOverrides), recordingOf(parsed)),
                   parsed.has("keep-hits") ? channelsThat(&ChannelRow::recorded) : Channels{});
 }
 

@@ -44,8 +44,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
     group.nodes.insert(part.node);
   }
   std::vector<std::pair<UnlabeledPart, Group>> sorted(groups.begin(), groups.end());
-  std::ranges::stable_sort(sorted,
-                           [](const auto& a, const auto& b) { return a.second.triangles > b.second.triangles; });
+  std::ranges::stable_sort(sorted, std::greater<>(), [](const auto& entry) { return entry.second.triangles; });
   printText("unlabelled geometry (no rule gives it a class):\n");
   Rows rows{{"file", "material", "texture", "nodes", "triangles"}};
   for (std::size_t i = 0; i < std::min(sorted.size(), kMostRows); ++i) {
@@ -189,15 +188,11 @@ void printSequences(const Pipeline& pipeline) {
 
 // Returns the numbers of shards in all and per split, such as "6 shards: train 4, val 1, test 1".
 std::string shardsOfSplits(const Plan& plan) {
-  std::vector<std::pair<std::string, std::size_t>> splits;  // numbers of shards; the jobs are sorted by split
   const std::vector<ShardJob> jobs = shardJobs(plan);
-  for (const ShardJob& job : jobs) {
-    if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);
-    ++splits.back().second;
-  }
+  const std::vector<DatasetPlan::Split> splits = splitsOf(jobs);
   std::string text = pluralOf(jobs.size(), "shard");
   for (std::size_t i = 0; splits.size() > 1 && i < splits.size(); ++i) {
-    text += fmt::format("{}{} {}", i == 0 ? ": " : ", ", splits[i].first, grouped(splits[i].second));
+    text += fmt::format("{}{} {}", i == 0 ? ": " : ", ", splits[i].name, grouped(splits[i].shards));
   }
   return text;
 }

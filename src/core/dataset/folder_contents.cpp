@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns the names, relative to the folder, of the files in the folder and in its subfolders; sorted.
+// Returns the sorted names, relative to the folder, of the files in the folder and in its direct subfolders. Leaves out
+// the hidden folder (kHiddenName) and subfolders that cannot be read.
 std::vector<std::string> filesIn(const fs::path& folder) {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {

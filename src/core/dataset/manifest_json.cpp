@@ -169,8 +169,9 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 
 }  // namespace
 
-// Describes the manifest; the samples are not written. The order of the keys matters for reading: `modelled` needs the
-// version; `samples` needs the ontology, the sensors and the shards.
+// Describes the keys of the manifest. In writing, `samples` is null: toJson() replaces it by the samples. In reading,
+// the order of the keys matters: `modelled` needs the version; `samples` needs the ontology, the sensors and the
+// shards.
 static void describe(RecordKeys& keys, Manifest& m) {
   int version = Manifest::kSchemaVersion;
   keys("schema_version", version);
@@ -239,7 +240,7 @@ std::string toJson(const Manifest& manifest) {
       samples.push_back(layOut(jsonOf(sample, sample.key, {&manifest.ontology, &manifest}), 2));
     }
   }
-  constexpr std::string_view kKey = "\n \"samples\": ", kNull = "null";  // describe() writes null for the samples
+  constexpr std::string_view kKey = "\n \"samples\": ", kNull = "null";
   const std::size_t key = text.rfind(kKey);  // occurs once, since JSON strings escape line breaks
   text.replace(key + kKey.size(), kNull.size(), layOutList(samples, 1));
   text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
@@ -317,8 +318,7 @@ std::string SampleRecord::xxh3Of(const std::string& member) const {
 }
 
 const SequenceRecord* Manifest::sequenceOf(const std::string& key) const {
-  const std::string sequence = partsOfKey(key).sequence;
-  const auto found = std::ranges::find_if(sequences, [&](const SequenceRecord& s) { return s.name == sequence; });
+  const auto found = std::ranges::find(sequences, partsOfKey(key).sequence, &SequenceRecord::name);
   return found == sequences.end() ? nullptr : &*found;
 }
 

@@ -77,17 +77,16 @@ class BoxCells {
   std::unordered_map<std::int64_t, std::vector<std::size_t>> boxesByCell_;
 };
 
-// Returns the bounds of the part of a triangle that is inside `box`; an empty box if no part of the triangle is.
+// Returns the bounds of the part of a triangle that is inside `box`; an empty box if no part of the triangle is. Points
+// in the upper faces of the box count as outside, points in its lower faces as inside.
 Box boundsInside(const Box& box, const std::array<Vec3d, 3>& corners) {
   TrianglePiece inside(corners);
-  TrianglePiece below;
-  TrianglePiece above;
+  TrianglePiece aboveLow, discarded;
   const std::array<std::pair<double, double>, 3> limits{
       {{box.low.x, box.high.x}, {box.low.y, box.high.y}, {box.low.z, box.high.z}}};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    inside.split(axis, limits[axis].first, below, above);
-    above.split(axis, limits[axis].second, below, inside);
-    inside = below;
+    inside.split(axis, limits[axis].first, discarded, aboveLow);
+    aboveLow.split(axis, limits[axis].second, inside, discarded);
   }
   if (inside.empty()) return {};
   const auto [x, y, z] = std::array{inside.extent(0), inside.extent(1), inside.extent(2)};

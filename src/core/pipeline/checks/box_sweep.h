@@ -23,11 +23,12 @@ struct BoxContact {
   Vec3d position;        // m, world frame: contact point, across the box the middle of the touched part
 };
 
-// Sweeps all boxes together along the steps and returns the surfaces that a box touches first; nothing if no box
-// touches a surface. A step is straight: each box is extended by the motion between the step's two poses, and has the
-// rotation halfway between these poses. A box travels along its x axis, forwards or backwards. `boxes`: m, in the frame
-// of the poses, not flat along any axis. `isObstacle`: true for triangles that may not be touched, given their
-// instance, surface and unit normal in the world frame. All objects are at their positions at time 0.
+// Sweeps all boxes together along the steps and returns the first contact with an obstacle; nothing if no box touches
+// one. A step is straight: each box is extended by the motion between the step's two poses, and has the rotation
+// halfway between these poses. A box travels along its x axis, forwards or backwards. `boxes`: m, in the vehicle's
+// frame, not flat along any axis. `steps`: worldFromVehicle at the start and at the end of each step. `isObstacle`:
+// true for triangles that may not be touched, given their instance, surface and unit normal in the world frame. All
+// objects are at their positions at time 0.
 std::optional<BoxContact> sweepBoxes(
     const Scene& scene, const std::vector<Box>& boxes, const std::vector<std::pair<Pose, Pose>>& steps,
     const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& isObstacle);

@@ -23,7 +23,7 @@ std::vector<std::string> sizeWarnings(const Scene& scene);
 // Warns of damaged meshes, in which triangles were left out because a corner is not finite or does not exist.
 std::vector<std::string> damageWarnings(const Scene& scene);
 
-// Warns of triangles to which no rule gives a class, and states their number.
+// Warns of triangles that get a class neither from a rule nor from their file, and states their number.
 std::vector<std::string> unlabeledWarnings(const Scene& scene);
 
 // Warns of labelling rules without effect: rules that match nothing, or only triangles that earlier rules have

@@ -81,14 +81,8 @@ ModelledItem revolutions(const Pipeline& pipeline) {
 ModelledItem egoMotion(const Pipeline& pipeline) {
   constexpr const char* kTopic = "ego motion";
   if (pipeline.recording != nullptr) return {kTopic, "as in the recording"};
-  switch (pipeline.motion.kind) {
-    case MotionKind::None:
-      return leftOut(kTopic, "one pose per revolution");
-    case MotionKind::PerColumn:
-      return {kTopic, "one pose per column"};
-    case MotionKind::Steps:
-      break;
-  }
+  if (pipeline.motion.kind == MotionKind::None) return leftOut(kTopic, "one pose per revolution");
+  if (pipeline.motion.kind == MotionKind::PerColumn) return {kTopic, "one pose per column"};
   return {kTopic, fmt::format("{} poses per revolution", pipeline.motion.steps)};
 }
 

@@ -153,14 +153,18 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
   return jobs;
 }
 
-DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
-  DatasetPlan planned{.hash = planHash(plan), .samples = 0, .splits = {}};
+std::vector<DatasetPlan::Split> splitsOf(const std::vector<ShardJob>& jobs) {
+  std::vector<DatasetPlan::Split> splits;
   for (const ShardJob& job : jobs) {
-    std::vector<DatasetPlan::Split>& splits = planned.splits;
     if (splits.empty() || splits.back().name != job.split) splits.push_back({job.split});
     ++splits.back().shards;
-    planned.samples += job.samples.size();
   }
+  return splits;
+}
+
+DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
+  DatasetPlan planned{.hash = planHash(plan), .samples = 0, .splits = splitsOf(jobs)};
+  for (const ShardJob& job : jobs) planned.samples += job.samples.size();
   return planned;
 }
 

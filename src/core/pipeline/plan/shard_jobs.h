@@ -36,6 +36,9 @@ double mostSampleBytes(const Plan& plan);
 // With `output.shuffle`, the samples of each shard are chosen from the split at random, with the pipeline's seed.
 std::vector<ShardJob> shardJobs(const Plan& plan);
 
+// Returns the splits of these shards with their numbers of shards.
+std::vector<DatasetPlan::Split> splitsOf(const std::vector<ShardJob>& jobs);
+
 // Returns the description of a plan that is stored with each part of a dataset. The description's hash identifies the
 // dataset. The hash covers the program's version, the pipeline, the sensors and their beams, the scene files, the
 // vehicle and the ontology that the pipeline names, and the names and sizes of a recording's files. Files that scene

@@ -211,7 +211,7 @@ Value withKeysOf(const NamedOptions& effect, const NamedOptions& change) {
   options.where = change.options.where;
   if (options.kind == Value::Kind::Null) options.kind = change.options.kind;
   for (const Value::Entry& entry : change.options.entries) {
-    const auto match = std::ranges::find_if(options.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
+    const auto match = std::ranges::find(options.entries, entry.key, &Value::Entry::key);
     if (match != options.entries.end()) {
       match->value = entry.value;
     } else {

@@ -43,8 +43,8 @@ namespace scanmill {
 // The object instances of a scene, and the data for tests of their visibility. Safe to use from several threads.
 class SceneObjects {
  public:
-  // Tests visibility with the ray-tracing hierarchies (Worlds) of the method, or builds them if the method has none.
-  // Scene and method must outlive this object.
+  // Visibility is tested in the ray-tracing hierarchies (Worlds) of the method; if the method has none, this object
+  // builds its own. Scene and method must outlive this object.
   SceneObjects(const Scene& scene, const Method& method);
 
   const ThingBoxes& boxes() const { return boxes_; }

@@ -77,8 +77,9 @@ void markRay(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction,
   }
 }
 
-// Returns the length of each beam's axis (m): the distance to its hit, or the maximum range. The length is 0 if the
-// beam is unresolved, or if it has no hit because the ego vehicle blocks it.
+// Returns the length of each beam's axis (m): the distance to its hit or, if it hits nothing, the maximum range. If
+// each beam has one ray, the axis passes through glass to the farthest hit. The length is 0 if the axis is unresolved,
+// or if it has no hit because the ego vehicle blocks it.
 std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits) {
   std::vector<double> lengths(hits.size());
   for (std::size_t beam = 0; beam < hits.size(); ++beam) {
@@ -97,8 +98,7 @@ std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, con
   for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;
     double& length = lengths[hits.beamOfRay[ray]];
-    if (length == 0) continue;
-    length = std::max(length, double{hits.range[ray]});
+    if (length > 0) length = std::max(length, double{hits.range[ray]});
   }
   return lengths;
 }

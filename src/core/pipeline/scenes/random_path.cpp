@@ -49,7 +49,7 @@ struct State {
   // Returns the state after driving `metres` along an arc of this curvature (rad/m, positive to the left).
   State driven(double metres, double curvature) const {
     const double halfTurn = curvature * metres / 2;
-    const double chordYaw = yaw + curvature * metres / 2;
+    const double chordYaw = yaw + halfTurn;
     const double chord = std::fabs(halfTurn) < 1e-9 ? metres : metres * std::sin(halfTurn) / halfTurn;
     return {position + Vec3d{std::cos(chordYaw), std::sin(chordYaw), 0} * chord, yaw + curvature * metres};
   }
