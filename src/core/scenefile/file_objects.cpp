@@ -71,8 +71,7 @@ PointOptions readPointOptions(const Value& value) {
 HeightOptions readHeightOptions(const Value& value) {
   Fields fields(value, "heights");
   fields.also({"every", "within", "classes", "image"}).finish();
-  HeightOptions options;
-  options.every = static_cast<int>(fields.integer("every", 1, 10'000, 1));
+  HeightOptions options{.every = static_cast<int>(fields.integer("every", 1, 10'000, 1))};
   if (const Value* within = fields.find("within")) options.within = readRectangle(*within, "within");
   options.classes = fields.optionalPath("classes").value_or("");
   options.image = fields.optionalPath("image").value_or("");

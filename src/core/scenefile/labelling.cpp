@@ -290,12 +290,11 @@ std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<Labelled
   std::vector<UnlabeledPart> partNames;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     AssetPart& part = parts[i].part;
-    Surface surface;
-    surface.material = builder.addMaterial(materials[i]);
-    surface.semantic = parts[i].semantic != nullptr ? parts[i].semantic->id : std::uint16_t{0};
-    surface.object = parts[i].object;
-    surface.node = part.node;
-    surface.texture = part.texture;
+    Surface surface{.material = builder.addMaterial(materials[i]),
+                    .semantic = parts[i].semantic != nullptr ? parts[i].semantic->id : std::uint16_t{0},
+                    .object = parts[i].object,
+                    .node = part.node,
+                    .texture = part.texture};
     if (const Rule* const rule = parts[i].rules.classRule) surface.labelledBy = rule->where;
     mesh.surfaces.push_back(std::move(surface));
     partNames.push_back({labelling.file, part.material, part.texture, part.node});

@@ -35,8 +35,7 @@ Vec3d readScale(const Value& value) {
 }
 
 Placement::Copy readCopy(Fields& f) {
-  Placement::Copy copy;
-  copy.pose = f.pose();
+  Placement::Copy copy{.pose = f.pose()};
   const Vec3d& p = copy.pose.translation;
   if (std::abs(p.x) > kFarthest || std::abs(p.y) > kFarthest || std::abs(p.z) > kFarthest) {
     throw InputError(f.require("position").where, "position is more than 1e9 m from the origin");

@@ -193,8 +193,7 @@ void readMatch(const Value& match, Rule& rule) {
 
 Rule readRule(const Value& value) {
   Fields fields(value, "rule");
-  Rule rule;
-  rule.where = value.where;
+  Rule rule{.where = value.where};
   const Value& match = fields.require("match");
   if (match.kind == Value::Kind::Scalar) {
     if (match.text != "any") {

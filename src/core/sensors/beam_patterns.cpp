@@ -184,8 +184,7 @@ Rosette readRosette(const Value& value) {
 
 RasterScan readRasterScan(const Value& value) {
   Fields f(value, "raster");
-  RasterScan raster;
-  raster.zones = f.numbers("zones_deg", {-180, 180});
+  RasterScan raster{.zones = f.numbers("zones_deg", {-180, 180})};
   if (raster.zones.empty()) {
     throw InputError(value.where, "zones_deg must be the azimuths of the zones' middles, such as [24, 0, -24]");
   }
