@@ -87,7 +87,8 @@ void ImageSource::require(PassChoice requested) const {
   }
 }
 
-// Copies one plane after the other, so that the CPU overlaps the memory accesses for the pixels of a plane.
+// Copies plane by plane within each block of addresses: the loads of a loop over one plane do not depend on each other,
+// so that the CPU overlaps their cache misses.
 void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) {
   require(requested);
   planes.reset(addresses.size(), requested);

@@ -231,6 +231,7 @@ class Gathering {
           ++scanRow;
         }
       }
+      // Each tile is collected once per plane: only the last time, the column continues behind the tile.
       if (plane + 1 == order_.planes()) strip_.next[c] = scanRow;
     }
     points_.count = count;

@@ -8,9 +8,6 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint32_t kMostRings = 4096;
-constexpr std::uint32_t kMostColumns = 65536;
-
 // Throws InputError if a table of beams has an unknown column, or lacks a column that it needs.
 void checkColumns(const TextTable& table) {
   table.expectOnly({"azimuth_deg", "elevation_deg", "zenith_deg", "ring", "column", "origin_x_m", "origin_y_m",

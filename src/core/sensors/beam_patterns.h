@@ -11,6 +11,9 @@
 
 namespace scanmill {
 
+constexpr std::uint32_t kMostRings = 4096;  // of any sensor
+constexpr std::uint32_t kMostColumns = 65536;
+
 // A sensor that is read from a table with one line per beam. docs/keys.md explains the columns (key `beams`). Rings and
 // columns are numbered from 0, and every pair of ring and column must occur once; without these numbers all beams form
 // one ring, in the order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError

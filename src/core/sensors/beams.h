@@ -61,7 +61,8 @@ struct BeamTable {
 
   std::vector<Vec3d> direction;  // unit vectors
   std::vector<Vec3f> origin;     // m, origin of each beam; empty if all are zero
-  std::vector<float> time;       // s since the start of the revolution
+  std::vector<float> time;       // s since the start of the revolution; empty for the rays of footprints, which fire at
+                                 // columnTime(), without the few microseconds of the ring's offset
 
   double minRange = 0;  // m, smallest range that is reported; a nearer surface blocks the beam, which then has no hit
   double maxRange = 0;  // m, largest range that is reported, inclusive

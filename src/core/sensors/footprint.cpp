@@ -66,7 +66,7 @@ Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
   auto table = std::make_shared<BeamTable>(beams);
   table->raysPerBeam = raysPerBeam;
   table->columns = beams.columns * raysPerBeam;
-  table->time.clear();
+  table->time.clear();  // all rings of a column fire at BeamTable::columnTime(): see BeamTable::time
   table->direction.assign(table->size(), {});
   const bool wideExit = beams.exitWidth[0] > 0 || beams.exitWidth[1] > 0;
   table->origin.assign(wideExit || !beams.origin.empty() ? table->size() : 0, {});

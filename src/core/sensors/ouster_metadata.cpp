@@ -9,6 +9,7 @@
 #include "base/format_support.h"
 #include "base/vec.h"
 #include "config/fields.h"
+#include "sensors/beam_patterns.h"
 #include "sensors/calibration.h"
 
 namespace scanmill {
@@ -200,8 +201,7 @@ class Reader {
 
   static constexpr double kRounding = 1e-3;        // largest error of a transform's numbers, which are rounded
   static constexpr double kFarthestOrigin = 1000;  // mm
-  static constexpr std::uint32_t kMostColumns = 65536;
-  static constexpr double kHighestRate = 1000;  // revolutions per second
+  static constexpr double kHighestRate = 1000;     // revolutions per second
 
   std::string file_;
   Value root_;

@@ -16,9 +16,6 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMaxRings = 4096;
-constexpr double kMaxColumns = 65536;
-
 // Reads a count as a double, so that a value such as 1e12 can be refused with a message about the number of beams.
 double readCount(const Value& value, std::string_view key) {
   const double count = readNumber(value, key);
@@ -304,7 +301,7 @@ void makeFlash(Fields& fields, BeamTable& table) {
 }
 
 struct RingCount {
-  double rings = 0;  // not yet checked against kMaxRings
+  double rings = 0;  // not yet checked against kMostRings
   Location where;    // location of the value that gives the number
 };
 
@@ -369,12 +366,12 @@ SensorSize sensorSize(const Value& description) {
   const Value& columnValue = fields.require("columns");
   const double columns = readCount(columnValue, "columns");
   const auto [rings, ringsWhere] = readRingCount(fields);
-  const bool ringsFit = rings >= 1 && rings <= kMaxRings;
-  if (!ringsFit || columns < 1 || columns > kMaxColumns) {
+  const bool ringsFit = rings >= 1 && rings <= kMostRings;
+  if (!ringsFit || columns < 1 || columns > kMostColumns) {
     throw InputError(ringsFit ? columnValue.where : ringsWhere,
                      "rings x columns = {:.15g} x {:.15g} = {:.15g} beams per revolution, but a sensor has "
                      "1 to {} rings and 1 to {} columns",
-                     rings, columns, rings * columns, kMaxRings, kMaxColumns);
+                     rings, columns, rings * columns, kMostRings, kMostColumns);
   }
   return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
 }

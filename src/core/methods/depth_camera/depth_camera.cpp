@@ -400,7 +400,7 @@ class DepthCameraMethod : public DepthCamera {
 
   const Scene* scene_;  // null if the passes come from files
   DepthCameraOptions options_;
-  RendererMaker makeRenderer_;
+  RendererMaker makeRenderer_;  // null if the passes come from files
   mutable std::mutex rendererMutex_;
   mutable std::unique_ptr<PassRenderer> renderer_;
   mutable std::mutex viewsMutex_;

@@ -32,9 +32,7 @@ struct MarchJob {
 
   const DistanceField& field() const { return *sensorField.field; }
   const TriangleBlock& triangles() const { return sensorField.world->baked; }
-  // Returns the length of particles' paths (m): slightly more than the sensor's maximum range, so that float32 rounding
-  // does not decide about hits at exactly the maximum.
-  double pathLength() const { return shot.beams->maxRange * (1 + 1e-4) + 1e-3; }
+  double pathLength() const { return searchDistance(*shot.beams); }  // m, length of particles' paths
   // Returns the number of particles.
   std::size_t size() const {
     return std::size_t{shot.beams->rings} * ((shot.beams->columns + kGroupColumns - 1) / kGroupColumns) * kGroupColumns;

@@ -91,8 +91,13 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay
 void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
   const ShotWork& work = *together.front();
   const WallTimer timer;
-  march_.ensureUploaded(work.job.sensorField.field, work.job.sensorField.world);
-  uploadLabels(work.job.sensorField.world);
+  const std::shared_ptr<const World>& world = work.job.sensorField.world;
+  march_.ensureUploaded(work.job.sensorField.field, world);
+  if (worldWithLabels_.lock() != world) {
+    worldWithLabels_.reset();
+    resolver_.uploadMeshes(*world);
+    worldWithLabels_ = world;
+  }
   work.upload = timer.seconds();
   if (std::max(work.bytes(), DeviceBeams::kBytesPerRay * work.rays()) > device_.limits().bufferBytes) {
     device_.fail("the sensor has too many beams for a buffer of the graphics card");
@@ -138,13 +143,6 @@ void GlMarcher::marchSlice(const ShotWork& work, std::size_t rays, std::size_t f
                              {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3),
                               march_.fields().levels(), march_.fields().table(), march_.fields().trianglesOrLists()});
   }
-}
-
-void GlMarcher::uploadLabels(const std::shared_ptr<const World>& world) {
-  if (worldWithLabels_.lock() == world) return;
-  worldWithLabels_.reset();
-  resolver_.uploadMeshes(*world);
-  worldWithLabels_ = world;
 }
 
 }  // namespace scanmill

@@ -53,7 +53,6 @@ class GlMarcher {
 
   void dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch);
   void marchSlice(const ShotWork& work, std::size_t rays, std::size_t first, std::size_t count);
-  void uploadLabels(const std::shared_ptr<const World>& world);
 
   ComputeDevice device_;
   const std::uint64_t particlesAtOnce_;  // greatest number of particles that march at once

@@ -311,19 +311,21 @@ class ParticleStream {
   // A ball without surfaces, around the centre of an empty brick or around the corner nearest to the particle. Lengths
   // are in voxels of the particle's level.
   struct FreeBall {
-    Floats radius, chordFactor;
-    Floats r[3];     // position of the particle relative to the ball's centre
-    Mask isolated;   // no surface is within kNearestLimit of the centre
-    Floats centre2;  // squared distance of the particle from the centre
-    Floats along;    // length from the middle of the particle's chord through the ball to the particle
-    Floats ahead;    // lower bound of the length from the particle to the chord's end
+    Floats radius, chordFactor;  // chordFactor: c in march_rule.h
+    Floats r[3];                 // position of the particle relative to the ball's centre
+    Mask isolated;               // no surface is within kNearestLimit of the centre
+    Floats centre2;              // squared distance of the particle from the centre
+    Floats along;                // length from the middle of the particle's chord through the ball to the particle
+    Floats ahead;  // lower bound of the length from the particle to the chord's end; with lists, not valid unless
+                   // the radius is above kListLimit
   };
 
   // Returns the free balls of the particles, which move in direction d.
   HWY_INLINE static FreeBall freeBallOf(const LaneGroup& group, const Floats (&d)[3]) {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
-    FreeBall ball{};  // as in an empty brick; changed below for the lanes in full bricks
+    // As in an empty brick, whose entry has the bits of its distance; changed below for the lanes in full bricks.
+    FreeBall ball{};
     ball.radius = hn::BitCast(kFloats, entry);
     ball.chordFactor = hn::Set(kFloats, kEmptyChordFactor);
     ball.isolated = hn::Not(full);

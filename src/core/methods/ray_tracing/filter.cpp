@@ -41,6 +41,8 @@ float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
 bool tryAccept(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction,
                const Candidate& candidate, float& far) {
   const float nearestSoFar = context.distance[lane];
+  // Two hits tie if their gap along the normal of the steeper surface is small. Only hits within reach along the ray
+  // can.
   bool isTie = false;
   if (std::abs(distance - nearestSoFar) <= distance * kReach + context.floor) {
     const Candidate holder{context.instance[lane], context.geometry[lane], context.primitive[lane]};
@@ -50,6 +52,7 @@ bool tryAccept(TieContext& context, std::uint32_t lane, float distance, const Ve
     if (isTie && !(rankOf(*context.world, candidate) < rankOf(*context.world, holder))) return false;
   }
   if (!isTie && !(distance < nearestSoFar)) return false;
+  // The minimum keeps a chain of ties from moving the hit away from the sensor.
   const float nearest = isTie ? std::min(distance, nearestSoFar) : distance;
   context.distance[lane] = nearest;
   context.instance[lane] = candidate.instance;

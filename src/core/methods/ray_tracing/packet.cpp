@@ -35,7 +35,7 @@ double travelOf(const Shot& shot) {
 
 // Sets `ends`, by lane, to the lengths (m) to which a tile's rays are traced.
 void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
-  const float far = searchDistance(*job.shot.beams);
+  const auto far = static_cast<float>(searchDistance(*job.shot.beams));
   std::fill_n(ends, kPacket, far);
   if (job.shot.blockedBeyond.empty()) return;
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
@@ -139,12 +139,8 @@ SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, H
 
 }  // namespace
 
-float searchDistance(const BeamTable& beams) {
-  return static_cast<float>(beams.maxRange * (1 + 1e-4) + 1e-3);
-}
-
 double farthestEnd(const Shot& shot, double farthestOrigin) {
-  return travelOf(shot) + farthestOrigin + double{endOf(searchDistance(*shot.beams), INFINITY)};
+  return travelOf(shot) + farthestOrigin + double{endOf(static_cast<float>(searchDistance(*shot.beams)), INFINITY)};
 }
 
 double farthestEnd(const Shot& shot) {
@@ -156,7 +152,7 @@ double farthestEnd(const Shot& shot) {
   if (farthestOrigin2 <= kLargestSensor * kLargestSensor || shot.blockedBeyond.empty()) {
     return farthestEnd(shot, kRoundUp * std::sqrt(farthestOrigin2));
   }
-  const float far = searchDistance(beams);
+  const auto far = static_cast<float>(searchDistance(beams));
   double farthest = 0;  // m, from the sensor's origin
   for (std::size_t ray = 0; ray < beams.origin.size(); ++ray) {
     farthest = std::max(farthest, length(Vec3d(beams.origin[ray])) + double{endOf(shot.blockedBeyond[ray], far)});

@@ -21,12 +21,9 @@ struct PacketJob {
   float coplanarFloor;  // m, see coplanarFloor()
 };
 
-// Returns the length of traced rays (m): slightly more than the maximum range, so that float32 rounding does not decide
-// about hits at exactly the maximum.
-float searchDistance(const BeamTable& beams);
-
 // Returns a distance (m) from the shot's first position within which all rays of the shot end. If a ray starts more
-// than 1 m from the sensor's origin, the rays continue other rays; each ray then ends at its Shot::blockedBeyond.
+// than 1 m from the sensor's origin, the rays are taken for continuations of earlier rays behind a pane or mirror: each
+// then ends at its Shot::blockedBeyond, if the shot has this array.
 double farthestEnd(const Shot& shot);
 // Returns a distance like farthestEnd(shot), but for any rays that start within `farthestOrigin` (m) of the sensor.
 double farthestEnd(const Shot& shot, double farthestOrigin);

@@ -119,6 +119,11 @@ struct RangeLimits {
 };
 
 RangeLimits limitsOf(const BeamTable& beams);
+// Returns the length of the paths of rays and particles (m): slightly more than the maximum range, so that float32
+// rounding does not decide about hits at exactly the maximum.
+inline double searchDistance(const BeamTable& beams) {
+  return beams.maxRange * (1 + 1e-4) + 1e-3;
+}
 
 // Largest difference between the range to a triangle's plane and the traced range: kRangeErrorBound times the traced
 // range, plus kRangeErrorBound metres. The plane of a triangle that is seen edge-on gives an unreliable range.

@@ -13,10 +13,11 @@
 
 namespace scanmill {
 
-// Builds and caches worlds. The origins of worlds are on a grid of 1024 m that starts at the scene's centre, so that a
-// shot's world depends only on the shot. If something in the scene moves, each revolution has its own world: the
-// placements of the shared meshes that the revolution's rays can reach. The cache then has at most one more world than
-// there are threads, and the grid is 16 m, because rounding errors grow with the distance from the origin.
+// Builds and caches worlds. The origins of worlds are on a grid with a spacing of 1024 m, one of whose points is the
+// scene's centre, so that a shot's world depends only on the shot. If something in the scene moves, each revolution has
+// its own world: the placements of the shared meshes that the revolution's rays can reach. The cache then has at most
+// one more world than there are threads. As no world then serves many shots, the spacing is only 16 m, which keeps
+// rounding errors small: they grow with the distance from the origin.
 class Worlds {
  public:
   // The scene must outlive this object.

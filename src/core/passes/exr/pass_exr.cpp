@@ -126,14 +126,6 @@ const ExrChannel& requireDepth(const ExrReader& file) {
   refuseAbsence(file, "Z", "the planar depth as 32 bit FLOAT");
 }
 
-std::array<const ExrChannel*, 3> requireNormal(const ExrReader& file) {
-  const auto axes = findNormal(file);
-  if (axes[0] == nullptr) {
-    refuseAbsence(file, "N.X, N.Y, N.Z", fmt::format("the normals, in world axes{}", insteadOf("normal")));
-  }
-  return axes;
-}
-
 // Reads one file. All requested planes are decoded together; then each plane is checked and converted, the depth first,
 // because the other planes are zero where the depth shows no surface.
 class PassReader {
@@ -199,7 +191,10 @@ class PassReader {
   }
 
   void addNormalTargets(std::vector<ExrTarget>& targets) {
-    const auto axes = requireNormal(file_);
+    const auto axes = findNormal(file_);
+    if (axes[0] == nullptr) {
+      refuseAbsence(file_, "N.X, N.Y, N.Z", fmt::format("the normals, in world axes{}", insteadOf("normal")));
+    }
     float* const firstNormal = &planes_.normal.data()->x;  // the components x, y and z follow each other
     for (std::size_t i = 0; i < 3; ++i) {
       requireReal(*axes[i]);

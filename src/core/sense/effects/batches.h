@@ -91,6 +91,16 @@ const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std
   return buffer.data();
 }
 
+// Returns a range (m) with an error (m) added, but at least 1 mm (or the range, if that is less), so that no point is
+// behind the sensor. A missing return (kMiss) stays missing.
+inline float rangeWithError(float range, double error) {
+  constexpr double kLeastRange = 0.001;  // m
+  const double exact = range;
+  const double nearest = exact < kLeastRange ? exact : kLeastRange;
+  const double reported = exact + error;
+  return range < kMiss ? static_cast<float>(reported > nearest ? reported : nearest) : kMiss;
+}
+
 // Two independent standard normal numbers, computed from two words: Box and Muller, "A note on the generation of random
 // normal deviates", 1958. Absolute values are at most sqrt(-2 log(2^-33)) = 6.76.
 struct NormalPair {

@@ -33,9 +33,11 @@ inline SinCos sinCosSmall(double a) {
   return {a + a * sinTail, 1.0 + cosTail};
 }
 
+// The bits of 2^52. Or-ing an integer below 2^52 into them gives 2^52 plus this integer.
+constexpr std::uint64_t kBitsOf2To52 = 0x4330000000000000u;
 // Returns `bits` as a double, exactly: the bits become the mantissa of a number between 2^52 and 2^53.
 inline double toDouble(std::uint32_t bits) {
-  return std::bit_cast<double>(0x4330000000000000u | bits) - 0x1p52;
+  return std::bit_cast<double>(kBitsOf2To52 | bits) - 0x1p52;
 }
 
 // Returns sine and cosine of a random angle of the full circle, from 32 random bits: computes sine and cosine of a
@@ -52,8 +54,9 @@ inline SinCos sinCosRandom(std::uint32_t bits) {
 inline double naturalLog(double x) {
   constexpr std::uint64_t kSqrtHalf = 0x3FE6A09E667F3BCDu;  // bits of sqrt(1/2)
   constexpr std::uint64_t kBias = 1023;
+  // Subtracting the bits of sqrt(1/2) makes the exponent change at sqrt(1/2) instead of 1.
   const std::uint64_t shifted = std::bit_cast<std::uint64_t>(x) - kSqrtHalf + (kBias << 52);
-  const double k = std::bit_cast<double>(0x4330000000000000u | (shifted >> 52)) - (0x1p52 + kBias);
+  const double k = std::bit_cast<double>(kBitsOf2To52 | (shifted >> 52)) - (0x1p52 + kBias);
   const double m = std::bit_cast<double>((shifted & 0x000FFFFFFFFFFFFFu) + kSqrtHalf);
   const double s = (m - 1) / (m + 1);
   const double z = s * s;

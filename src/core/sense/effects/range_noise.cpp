@@ -22,7 +22,6 @@
 namespace scanmill {
 namespace {
 
-constexpr double kLeastRange = 0.001;      // m; lower limit of noisy ranges, unless the exact range is less
 constexpr double kWidthOverSigma = 2.355;  // full width at half maximum of a Gaussian, in standard deviations
 
 // A part of the table: from the range `start` (m) on, for `length` (m), sigma rises by `slope` per metre of range.
@@ -95,11 +94,7 @@ class RangeNoise : public Effect {
       }
       if (sigma_.overSnr > 0) addNoiseOfFaintEchoes(shot, returns, first, count, sigma);
       for (std::size_t i = 0; i < count; ++i) {
-        const double exact = range[i];
-        const double nearest = exact < kLeastRange ? exact : kLeastRange;
-        double noisy = exact + sigma[i] * normalPair(words.a[i], words.b[i]).first;
-        noisy = noisy > nearest ? noisy : nearest;
-        range[i] = range[i] < kMiss ? static_cast<float>(noisy) : kMiss;
+        range[i] = rangeWithError(range[i], sigma[i] * normalPair(words.a[i], words.b[i]).first);
       }
     });
   }

@@ -19,8 +19,6 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNearestRange = 0.001;  // m, least range that is reported
-
 // One kind of error: either a list with a value per ring, or the standard deviation for sampling values.
 struct PerRing {
   double sigma = 0;          // standard deviation; used if `list` is empty
@@ -101,12 +99,7 @@ class RingBias : public Effect {
       displacement.z +=
           static_cast<float>(scale * (d.z * errors.elevation.cos + horizontal * errors.elevation.sin - d.z));
     }
-    for (std::size_t i = 0; i < count && !range_.zero(); ++i) {
-      const double exact = range[i];
-      const double nearest = exact < kNearestRange ? exact : kNearestRange;
-      const double reported = exact + errors.range;
-      range[i] = range[i] < kMiss ? static_cast<float>(reported > nearest ? reported : nearest) : kMiss;
-    }
+    for (std::size_t i = 0; i < count && !range_.zero(); ++i) range[i] = rangeWithError(range[i], errors.range);
     for (std::size_t i = 0; i < count && !gain_.zero(); ++i) {
       returns.gain[firstRow + i] *= static_cast<float>(errors.gain);
     }

@@ -47,7 +47,7 @@ std::array<std::uint64_t, 4> widePhilox(std::array<std::uint64_t, 4> counter, st
 // two standard deviations; absolute values stay below 3.5.
 double standard(const std::array<std::uint64_t, 4>& words) {
   const std::uint64_t sum = words[0] + words[1] + words[2] + words[3];
-  return ((std::bit_cast<double>(0x4330000000000000u + sum) - 0x1p52) * 0x1p-32 - 2) * 1.7320508075688772;
+  return ((std::bit_cast<double>(kBitsOf2To52 + sum) - 0x1p52) * 0x1p-32 - 2) * 1.7320508075688772;
 }
 
 }  // namespace
