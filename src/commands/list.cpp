@@ -118,14 +118,14 @@ Rows inputRows() {
 // Prints what the reader of each format reads and leaves out, in Markdown: docs/inputs.md contains this text.
 void printElements() {
   for (const FormatSupport& format : inputFormats()) {
-    const auto& [read, unused, leftOut] = format.keywords;
+    const FormatKeywords& keywords = format.keywords;
     std::vector<std::string_view> notes;
-    for (const FormatKeywords::Row& row : leftOut) notes.push_back(row.note);
+    for (const FormatKeywords::Row& row : keywords.leftOut) notes.push_back(row.note);
     if (!format.alsoLeftOut.empty()) notes.push_back(format.alsoLeftOut);
     printText("\n## {} ({})\n\n{}.\n", format.name, format.suffixes, format.how);
-    if (!read.empty() || !unused.empty() || !notes.empty()) printText("\n");
-    if (!read.empty()) printText("- Names: `{}`\n", fmt::join(read, " "));
-    if (!unused.empty()) printText("- *Without effect*: `{}`\n", fmt::join(unused, " "));
+    if (!keywords.read.empty() || !keywords.unused.empty() || !notes.empty()) printText("\n");
+    if (!keywords.read.empty()) printText("- Names: `{}`\n", fmt::join(keywords.read, " "));
+    if (!keywords.unused.empty()) printText("- *Without effect*: `{}`\n", fmt::join(keywords.unused, " "));
     if (!notes.empty()) printText("- *Left out*: {}\n", fmt::join(notes, "; "));
   }
 }

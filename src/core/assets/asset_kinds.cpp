@@ -172,15 +172,14 @@ std::vector<fs::path> assetsIn(const fs::path& folder) {
       ++leftOut[ending];
     }
   }
-  std::string counts;
-  for (const auto& [ending, files] : leftOut) {
-    counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", files, ending);
-  }
+  std::vector<std::string> counts;
+  counts.reserve(leftOut.size());
+  for (const auto& [ending, files] : leftOut) counts.push_back(fmt::format("{} {}", files, ending));
   if (!counts.empty()) {
     warn(
         "{}: left out: {}: of a folder only files that are surely meshes, clouds or worlds are taken; some "
         "of the others are read if you name them, or after a conversion",
-        folder.string(), counts);
+        folder.string(), fmt::join(counts, ", "));
   }
   std::ranges::sort(assets);
   return assets;

@@ -41,9 +41,9 @@ std::vector<typename Key::Value> columnValues(Key key, const std::vector<Stored>
 const FormatSupport kCloudColumns{
     "Columns of point clouds",
     ".las, .ply, .pcd, .csv, .xyz, .drc",
-    "Classes: points that no class was given to are those of the number 0, or of -1 and -100, which become 65535 "
-    "beside a 0. Instances: 0 means none, and so do numbers below 0, where the others are counted from 1 on. "
-    "Intensities: a column with zeros only gives way to another. Rings, numbers and counts of returns, of recorded "
+    "Classes: points without a class have the number 0, -1 or -100; -1 and -100 become 0, or 65535 if the file has "
+    "the number 0 too. Instances: 0 and numbers below 0 mean none; if there are any below 0, the others increase by 1. "
+    "A column of intensities that are all 0 is replaced by another. Rings, numbers and counts of returns, of recorded "
     "scans. Colours, also packed as PCL does (rgb, rgba), and normals",
     "points at 0, 0, 0, if there are several: misses; colours that are no numbers",
     {.read =

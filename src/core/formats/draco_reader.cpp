@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "formats/little_endian.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
 #include "scan/scan.h"
@@ -62,9 +63,7 @@ class HeaderCheck {
   template <class T>
   T number() {
     skip(sizeof(T));
-    T value;
-    std::memcpy(&value, bytes_.data() + at_ - sizeof(T), sizeof(T));
-    return value;
+    return numberAt<T>(bytes_, at_ - sizeof(T));
   }
 
   std::uint8_t byte() { return number<std::uint8_t>(); }

@@ -90,7 +90,13 @@ void DracoWriter::addEntry(std::string_view key, std::int32_t value) {
 
 SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addQuantised(std::string_view name, const QuantisedColumn& column) {
   describe(name, draco::DT_FLOAT32, column.low.size(), draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
-  addGrid(column);
+  addSymbols(column.indices, static_cast<int>(column.low.size()));
+  std::uint32_t unionOfBits = 0;
+  for (const std::int32_t index : column.indices) unionOfBits |= static_cast<std::uint32_t>(index);
+  const int bits = std::max(kLeastBits, static_cast<int>(std::bit_width(unionOfBits)));
+  for (const float low : column.low) putNumber(low, grids_);
+  putNumber(std::ldexp(column.step, bits), grids_);
+  grids_.push_back(static_cast<char>(bits));
 }
 
 SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint8_t> values) {
@@ -180,16 +186,6 @@ void DracoWriter::addSymbols(std::span<const T> values, int components) {
     values_.push_back(sizeof(std::uint32_t));
     values_.append(reinterpret_cast<const char*>(symbols.values.data()), symbols.values.size_bytes());
   }
-}
-
-void DracoWriter::addGrid(const QuantisedColumn& column) {
-  addSymbols(column.indices, static_cast<int>(column.low.size()));
-  std::uint32_t unionOfBits = 0;
-  for (const std::int32_t index : column.indices) unionOfBits |= static_cast<std::uint32_t>(index);
-  const int bits = std::max(kLeastBits, static_cast<int>(std::bit_width(unionOfBits)));
-  for (const float low : column.low) putNumber(low, grids_);
-  putNumber(std::ldexp(column.step, bits), grids_);
-  grids_.push_back(static_cast<char>(bits));
 }
 
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what) {

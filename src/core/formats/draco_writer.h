@@ -79,7 +79,6 @@ class DracoWriter {
   void addNarrowed(std::string_view name, std::span<const T> values);
   template <class T>
   void addSymbols(std::span<const T> values, int components);
-  void addGrid(const QuantisedColumn& column);
 
   std::uint32_t points_;
   int level_;                     // see appendSymbols()

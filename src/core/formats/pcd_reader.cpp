@@ -256,11 +256,6 @@ class BodyReader {
            (mayBeNegative || columnIndex(field.name) == kColumnCount);
   }
 
-  ForeignColumn::Values newValues(const PcdField& field) const {
-    return visitNumberType(field.type, field.size,
-                           [&]<class T>(T) { return ForeignColumn::Values(std::vector<T>(header_.points)); });
-  }
-
   const PcdField& require(std::string_view name) const {
     const PcdField* field = find(name);
     if (field != nullptr) return *field;
@@ -285,7 +280,10 @@ class BodyReader {
       if (findColumn(key.row.name) != nullptr) scan.columnsIfEmpty.add(key.index);
     });
     for (const PcdField& field : header_.fields) {
-      if (isForeign(field)) scan.foreign.push_back({std::string(field.name), newValues(field)});
+      if (!isForeign(field)) continue;
+      visitNumberType(field.type, field.size, [&]<class T>(T) {
+        scan.foreign.push_back({std::string(field.name), std::vector<T>(header_.points)});
+      });
     }
     return scan;
   }

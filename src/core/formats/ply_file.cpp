@@ -19,12 +19,10 @@ constexpr std::size_t kMaxHeader = 1 << 16;  // largest header (bytes)
 
 PlyType typeOf(std::string_view name, const Location& where) {
   static constexpr std::pair<std::string_view, PlyType> kTypes[] = {
-      {"char", {'I', 1}},  {"uchar", {'U', 1}},   {"int8", {'I', 1}},   {"uint8", {'U', 1}},
-      {"short", {'I', 2}}, {"ushort", {'U', 2}},  {"int16", {'I', 2}},  {"uint16", {'U', 2}},
-      {"int", {'I', 4}},   {"uint", {'U', 4}},    {"int32", {'I', 4}},  {"uint32", {'U', 4}},
-      {"float", {'F', 4}}, {"float32", {'F', 4}}, {"double", {'F', 8}}, {"float64", {'F', 8}}};
-  for (const auto& [typeName, type] : kTypes) {
-    if (typeName == name) return type;
+      {"char int8", {'I', 1}}, {"uchar uint8", {'U', 1}}, {"short int16", {'I', 2}},   {"ushort uint16", {'U', 2}},
+      {"int int32", {'I', 4}}, {"uint uint32", {'U', 4}}, {"float float32", {'F', 4}}, {"double float64", {'F', 8}}};
+  for (const auto& [names, type] : kTypes) {
+    if (containsWord(names, name)) return type;
   }
   throw InputError(where, "unknown PLY type '{}'", name);
 }

@@ -86,7 +86,13 @@ class PlyReader {
     std::vector<ForeignColumn>& foreign = cloud_.scan.foreign;
     for (const PlyColumn& column : columns_) {
       if (&column == &x || &column == &y || &column == &z || column.property.isList()) continue;
-      foreign.push_back({column.property.name, valuesOf(column)});
+      visitNumberType(column.property.value.kind, column.property.value.size, [&]<class T>(T) {
+        std::vector<T> values;
+        for (const double value : column.values) {
+          values.push_back(columnValue<T>(value, column.property.name, values.size(), where_));
+        }
+        foreign.push_back({column.property.name, std::move(values)});
+      });
     }
     adoptColumns(cloud_, where_);
     for (ForeignColumn& column : foreign) {
@@ -95,16 +101,6 @@ class PlyReader {
           columnIndex(name) < kColumnCount || std::ranges::find(foreign, name, &ForeignColumn::name) != foreign.end();
       column.name = isTaken ? lowerCase(column.name) : std::move(name);
     }
-  }
-
-  ForeignColumn::Values valuesOf(const PlyColumn& column) const {
-    return visitNumberType(column.property.value.kind, column.property.value.size, [&]<class T>(T) {
-      std::vector<T> values;
-      for (const double value : column.values) {
-        values.push_back(columnValue<T>(value, column.property.name, values.size(), where_));
-      }
-      return ForeignColumn::Values(std::move(values));
-    });
   }
 
   Location where_;

@@ -23,24 +23,18 @@ std::array<std::uint8_t, 3 * (kMostReason + 1)> palette() {
   return colors;
 }
 
-// Returns libpng's description of an image of reasons.
-png_image described(std::uint32_t rings, std::uint32_t columns) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = columns;
-  image.height = rings;
-  image.format = PNG_FORMAT_RGB_COLORMAP;
-  image.colormap_entries = kMostReason + 1;
-  return image;
-}
-
 }  // namespace
 
 std::string encodeReasons(const std::vector<std::uint8_t>& reasonOfBeam, std::uint32_t rings, std::uint32_t columns) {
   if (reasonOfBeam.size() != std::size_t{rings} * columns) {
     throw Error("{} reasons for {} x {} beams", reasonOfBeam.size(), rings, columns);
   }
-  png_image image = described(rings, columns);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = columns;
+  image.height = rings;
+  image.format = PNG_FORMAT_RGB_COLORMAP;
+  image.colormap_entries = kMostReason + 1;
   const auto colors = palette();
   std::string bytes(mostReasonsBytes(rings, columns), '\0');
   png_alloc_size_t size = bytes.size();

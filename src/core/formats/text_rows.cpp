@@ -17,12 +17,6 @@ constexpr std::size_t kLongest = std::is_same_v<T, float> ? 16  // "-1.17549435e
                                      ? 25  // for example "-2.2250738585072014e-308"
                                      : std::numeric_limits<T>::digits10 + 2 + (std::is_signed_v<T> ? 1 : 0);
 
-std::size_t longestRowOf(const Scan& scan) {
-  std::size_t length = 3 * kLongest<float>;
-  visitColumns(scan, [&]<class T>(std::string_view, const std::vector<T>&) { length += kLongest<T>; });
-  return length;
-}
-
 // Writes a number and the separator to `to`. Returns the position after the separator.
 template <class T>
 char* append(char* to, T value, char separator) {
@@ -44,7 +38,8 @@ std::size_t longestRow(ColumnSet columns) {
 }
 
 void appendRows(const Scan& scan, char separator, std::string& out) {
-  const std::size_t rowBytes = longestRowOf(scan);
+  std::size_t rowBytes = 3 * kLongest<float>;  // of the longest row
+  visitColumns(scan, [&]<class T>(std::string_view, const std::vector<T>&) { rowBytes += kLongest<T>; });
   const std::size_t bufferBytes = std::max(kBuffer, rowBytes);
   const auto buffer = std::make_unique_for_overwrite<char[]>(bufferBytes);
   char* to = buffer.get();

@@ -280,7 +280,7 @@ DecodedImage decode(ImageReader& image, const std::string& kindOfBytes, std::uin
       }
     }
   }
-  // In BMP and TGA, an alpha that is 0 everywhere is a byte without a meaning.
+  // BMP and TGA often have an unused fourth channel of zeros: if alpha is 0 everywhere, the image counts as opaque.
   const bool isOpaque = converter.greatestAlpha() == 0 && (kind == "bmp" || kind == "tga");
   for (std::size_t i = 3; isOpaque && i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
   decoded.hasAlpha = converter.leastAlpha() < 255 && !isOpaque;

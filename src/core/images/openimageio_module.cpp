@@ -152,20 +152,18 @@ class OpenImageIoReader final : public ImageReader {
   int nextRow_ = 0;
 };
 
-// Keeps libtiff from printing. OpenImageIO tries all its readers on a damaged file, and from 2.5 on (Debian 13) libtiff
-// then prints complaints about files of other kinds. dlsym() finds libtiff, which OpenImageIO links and this module
-// does not.
-void silenceLibtiff() {
-  using Handler = void (*)(const char* module, const char* format, va_list arguments);
-  for (const char* name : {"TIFFSetErrorHandler", "TIFFSetWarningHandler"}) {
-    const auto set = reinterpret_cast<Handler (*)(Handler)>(::dlsym(RTLD_DEFAULT, name));
-    if (set != nullptr) set(nullptr);
-  }
-}
-
 class OpenImageIo final : public ImagesModule {
  public:
-  OpenImageIo() { silenceLibtiff(); }
+  // Keeps libtiff from printing. OpenImageIO tries all its readers on a damaged file, and from 2.5 on (Debian 13)
+  // libtiff then prints complaints about files of other kinds. dlsym() finds libtiff, which OpenImageIO links and this
+  // module does not.
+  OpenImageIo() {
+    using Handler = void (*)(const char* module, const char* format, va_list arguments);
+    for (const char* name : {"TIFFSetErrorHandler", "TIFFSetWarningHandler"}) {
+      const auto set = reinterpret_cast<Handler (*)(Handler)>(::dlsym(RTLD_DEFAULT, name));
+      if (set != nullptr) set(nullptr);
+    }
+  }
 
   std::unique_ptr<ImageReader> open(const std::string& name, std::string_view bytes) const override {
     return std::make_unique<OpenImageIoReader>(name, bytes);

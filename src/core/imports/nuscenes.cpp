@@ -50,15 +50,10 @@ void readTable(const fs::path& file, const std::function<void(const Json&)>& rea
 // contains several versions, returns the first by name.
 fs::path tablesIn(const fs::path& folder) {
   if (pathExists(folder / kScanTable)) return folder;
-  std::vector<fs::path> versions;
-  std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder, failure)) {
-    if (entry.path().filename().string().starts_with("v1.0-") && pathExists(entry.path() / kScanTable)) {
-      versions.push_back(entry.path());
-    }
+  for (const fs::path& version : foldersIn(folder)) {
+    if (version.filename().string().starts_with("v1.0-") && pathExists(version / kScanTable)) return version;
   }
-  std::sort(versions.begin(), versions.end());
-  return versions.empty() ? fs::path() : versions.front();
+  return {};
 }
 
 }  // namespace

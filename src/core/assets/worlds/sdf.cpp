@@ -143,13 +143,6 @@ class SdfReader {
     }
   }
 
-  // Returns the first state of a world, which is the one that Gazebo applies; null if there is none.
-  const XmlNode* firstState(const XmlNode& world) {
-    const auto count = std::ranges::count(world.children, "state", &XmlNode::name);
-    if (count > 1) world_.leftOut.add("states after the first", static_cast<std::uint64_t>(count - 1));
-    return world.child("state");
-  }
-
   // Counts the models and links in a world's state that the world lacks.
   void countUnusedStates(const XmlNode& state) {
     std::vector<std::string> names;
@@ -169,7 +162,11 @@ class SdfReader {
     Model contents;
     contents.frames = std::make_shared<SdfFrames>();
     contents.frames->isWorld = depth == 0;
-    if (depth == 0) state.node = firstState(around);
+    if (depth == 0) {
+      state.node = around.child("state");  // the first state, as in Gazebo
+      const auto states = std::ranges::count(around.children, "state", &XmlNode::name);
+      if (states > 1) world_.leftOut.add("states after the first", static_cast<std::uint64_t>(states - 1));
+    }
     for (const XmlNode& child : around.children) {
       if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         contents.frames->add(child.attributeOr("name", child.name), frameOf(child));

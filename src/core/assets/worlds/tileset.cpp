@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "assets/meshes/asset_parts.h"
+#include "assets/meshes/gltf/pose.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/meshes/references.h"
 #include "assets/worlds/world_asset.h"
@@ -90,14 +91,6 @@ class TilesetReader {
     for (const auto& [name, value] : extensions->items()) leftOut_.addKeyword(kTilesetFormat, name);
   }
 
-  // Returns the transform from a tile's frame to its parent's frame; the identity if none is stated.
-  static Affine transformOf(const Json& tile) {
-    const auto transform = tile.find("transform");
-    if (transform == tile.end()) return {};
-    const auto m = transform->get<std::array<double, 16>>();  // column by column
-    return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
-  }
-
   // Returns the middle (earth frame) of a region, box or sphere; the tile's origin if the volume is none of these; the
   // earth's centre if a region is too large to be projected onto one plane.
   static Vec3d middleOf(const Json& volume, const Affine& earthFromTile) {
@@ -131,7 +124,8 @@ class TilesetReader {
       fail(tileset.file,
            "has implicit tiling, which is not supported: convert it to explicit tiles, for example by 3d-tiles-tools");
     }
-    const Affine earthFromTile = earthFromParent * transformOf(tile);
+    constexpr std::array<double, 16> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const Affine earthFromTile = earthFromParent * gltf::toAffine(tile.value("transform", kIdentity).data());
     if (!assetFromEarth_) {
       const Vec3d middle = middleOf(tile.value("boundingVolume", Json::object()), earthFromTile);
       if (isOnEarth(middle)) {
@@ -192,7 +186,8 @@ class TilesetReader {
     if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") return leftOut_.addKeyword(kTilesetFormat, kind);
     if (!assetFromEarth_) assetFromEarth_ = metresFromUnits_;
     Asset mesh = gltf::readTile(file, *assetFromEarth_ * earthFromTile, tileset.zUpFromGltf, options_, leftOutOfTiles_);
-    if (!asset_.ownMiddle && isOnEarth(inverse(metresFromUnits_) * boundsOf(mesh).center())) {
+    // Without a middle, assetFromEarth_ only scales, so that meshes on the earth are far from the asset's origin.
+    if (!asset_.ownMiddle && isOnEarth(inverse(*assetFromEarth_) * boundsOf(mesh).center())) {
       fail(tileset.file,
            "its bounding volumes do not say where on the earth it lies: add a region, box or sphere to its root");
     }

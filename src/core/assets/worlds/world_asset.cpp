@@ -92,7 +92,8 @@ class WorldAsset {
     ++nodes_;
   }
 
-  // Returns the parts of a visual, with its look, in the visual's frame.
+  // Returns the parts of a visual, in the visual's frame. Parts of a mesh file keep the file's look, unless the visual
+  // has a texture, or has a colour and the part no texture.
   std::vector<AssetPart> partsOf(const WorldPart& visual) {
     if (const Mesh* solid = std::get_if<Mesh>(&visual.shape)) {
       AssetPart part;

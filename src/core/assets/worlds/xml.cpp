@@ -55,13 +55,11 @@ class Reader {
     std::string text;  // comments may split the text into several pieces
     for (const pugi::xml_node& child : element.children()) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
+      if (child.type() == pugi::node_element) node.children.push_back(convert(child, depth + 1));
     }
     node.text = trimmed(text);
     for (const pugi::xml_attribute& a : element.attributes()) {
       node.attributes.emplace_back(a.name(), trimmed(a.value()));
-    }
-    for (const pugi::xml_node& child : element.children()) {
-      if (child.type() == pugi::node_element) node.children.push_back(convert(child, depth + 1));
     }
     return node;
   }
