@@ -37,7 +37,7 @@ struct Grid {
 // large as the bound allows. If the bound is too small, throws an InputError with `what` and the least possible bound.
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what);
 
-// Returns an upper bound of the bits of an index on the grid that chooseGrid() chooses for values from -reach to reach.
+// Returns an upper bound of the number of bits of an index on chooseGrid()'s grid for values from -reach to reach.
 int mostIndexBits(double reach, std::size_t components, double bound);
 
 // Writes for each value the index of the nearest grid point; the components of a point follow each other. `indices`
