@@ -9,6 +9,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
+#include "config/fields.h"
 #include "config/resources.h"
 #include "dataset/folder_contents.h"
 #include "pipeline/run/progress.h"

@@ -49,7 +49,7 @@ std::optional<double> numberOf(const data* value) {
 const std::map<std::string, std::function<std::string(double)>> kNumberFormats{
     {"m", metresText},       {"s", secondsText},
     {"amount", shortNumber}, {"share", shareText},
-    {"factor", factorText},  {"bytes", shortBytes},
+    {"factor", factorText},  {"bytes", [](double value) { return shortBytes(value); }},
     {"digits", threeDigits}, {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
 
 // True if the value is present and counts as not empty; the number 0 counts as empty here.
