@@ -192,25 +192,20 @@ std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<cons
 // Returns an object of a place that would have an unusual size in metres; the unit is guessed from this object. Returns
 // nothing unless a common unit gives usual sizes to most objects, and to more than twice as many objects as the metre.
 std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
-  const std::vector<SizedObject> objects = sizedObjects(asset, partConcepts);
-  const auto fittingWith = [&](double unit) {
-    std::vector<SizedObject> fitting;
-    std::ranges::copy_if(objects, std::back_inserter(fitting), [&](const SizedObject& o) { return fits(o, unit); });
-    return fitting;
+  std::vector<SizedObject> objects = sizedObjects(asset, partConcepts);
+  const auto countFitting = [&](double unit) {
+    return std::ranges::count_if(objects, [&](const SizedObject& object) { return fits(object, unit); });
   };
-  std::vector<SizedObject> mostFitting = fittingWith(1);
-  const std::size_t fittingInMetres = mostFitting.size();
-  for (const double unit : kUnits) {
-    if (auto fitting = fittingWith(unit); fitting.size() > mostFitting.size()) mostFitting = std::move(fitting);
-  }
-  if (mostFitting.size() <= 2 * fittingInMetres || 2 * mostFitting.size() <= objects.size()) return {};
+  const double best = *std::ranges::max_element(kUnits, {}, countFitting);
+  if (countFitting(best) <= 2 * countFitting(1) || 2 * countFitting(best) <= std::ssize(objects)) return {};
+  std::erase_if(objects, [&](const SizedObject& object) { return !fits(object, best); });
   // A node may hold many objects of one kind, such as all cars of a street; its size then says nothing about the unit.
   constexpr double kSeveral = 100;  // ratio of the longest edge to the usual size
-  const bool oneKindOfMany = std::ranges::all_of(mostFitting, [&](const SizedObject& object) {
-    return object.shown == mostFitting.front().shown && object.longest <= kSeveral * object.shown->size->high;
+  const bool oneKindOfMany = std::ranges::all_of(objects, [&](const SizedObject& object) {
+    return object.shown == objects.front().shown && object.longest <= kSeveral * object.shown->size->high;
   });
   if (oneKindOfMany) return {};
-  return *std::ranges::find_if(mostFitting, [](const SizedObject& object) { return !fits(object, 1); });
+  return *std::ranges::find_if(objects, [](const SizedObject& object) { return !fits(object, 1); });
 }
 
 // Returns the object or ground to which a part belongs: the object that its node's name states, otherwise the object

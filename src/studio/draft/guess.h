@@ -51,9 +51,11 @@ struct CountedPart {
 std::vector<CountedPart> partsOf(const Asset& asset);
 
 // Returns the concept of each part, in the order of partsOf(); null for a part if no name contains a known word.
-// `file`: the concept that the name of the file, or its folder's name, states; null: none. A part belongs to the whole
-// that its node's name states, otherwise to `file` if this is a whole: the glass of a car is part of the car. Without a
-// whole, the names of material, texture and node are tried in this order, then `file`.
+// `file`: the concept that the name of the file, or of its folder, states; null: none. The whole of a part is the one
+// that its node's name states, otherwise `file` if this is a whole. The part's concept is the detail of the whole that
+// the name of its material, texture or node (tried in this order) states, otherwise the whole itself: the material
+// "glass" in a file "car" gives the glass of a car. Without a whole, the concept is what the material, the texture or
+// the node states, otherwise `file`.
 std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file);
 
 // Returns the name of the file's folder or, if that name only says what kind of files the folder contains, such as

@@ -221,20 +221,6 @@ Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorCon
       column.values);
 }
 
-// Returns the names of quantities in the order of their keys in the viewer; columns without a key come last.
-std::vector<std::string> namesInOrder() {
-  constexpr char kNoKey = '\0';
-  const std::map<char, ColorBy> computed{{'4', kByRange}, {'7', kByHeight}, {'0', kByError}};  // not columns
-  std::vector<std::string> names;
-  for (const char key : {'1', '2', '3', '4', '5', '6', '7', '8', '9', '0', kNoKey}) {
-    for (const Column& column : kColumns) {
-      if (column.display.key == key) names.emplace_back(ColorBy::titleOf(column));
-    }
-    if (computed.contains(key)) names.push_back(computed.at(key).name());
-  }
-  return names;
-}
-
 }  // namespace
 
 const Column* ColorBy::column() const {
@@ -243,8 +229,19 @@ const Column* ColorBy::column() const {
 }
 
 const std::vector<std::string>& colorNames() {
-  static const std::vector<std::string> names = namesInOrder();
-  return names;
+  static const std::vector<std::string> inOrder = [] {
+    constexpr char kNoKey = '\0';
+    const std::map<char, ColorBy> computed{{'4', kByRange}, {'7', kByHeight}, {'0', kByError}};  // not columns
+    std::vector<std::string> names;
+    for (const char key : {'1', '2', '3', '4', '5', '6', '7', '8', '9', '0', kNoKey}) {
+      for (const Column& column : kColumns) {
+        if (column.display.key == key) names.emplace_back(ColorBy::titleOf(column));
+      }
+      if (computed.contains(key)) names.push_back(computed.at(key).name());
+    }
+    return names;
+  }();
+  return inOrder;
 }
 
 std::vector<ColorBy> colorsOf(const Scan& scan) {

@@ -48,7 +48,8 @@ inline const ColorBy kByRange{"range"};
 inline const ColorBy kByHeight{"height"};
 inline const ColorBy kByError{"error"};
 
-// Returns the names of all quantities except foreign columns. The viewer's keys 1 to 9 and 0 select the first ten.
+// Returns the names of all quantities except foreign columns, in the order of their keys in the viewer (1 to 9, then 0,
+// which select the first ten); columns without a key come last.
 const std::vector<std::string>& colorNames();
 
 // True if the scan can be coloured by this quantity. `hasErrors`: errors of the points are known.

@@ -7,7 +7,6 @@
 #include "config/resources.h"
 #include "config/value.h"
 #include "formats/cloud_file.h"
-#include "pipeline/plan/dataset_plan.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "viewer/frames/stored_frames.h"
@@ -17,6 +16,20 @@ namespace scanmill {
 namespace fs = std::filesystem;
 
 namespace {
+
+// Throws InputError if the file is not a scene.
+void requireScene(const fs::path& file) {
+  const Value root = readYaml(file);
+  const FileKind kind = fileKind(root);
+  if (kind == FileKind::Scene) return;
+  if (kind == FileKind::Pipeline) {
+    throw InputError({file.string()},
+                     "is a pipeline: `scanmill generate {} -o DIR` makes the dataset that can be viewed",
+                     file.string());
+  }
+  expectKind(root, FileKind::Scene);
+  throw InputError({file.string()}, "is no scene: that has a list of `objects`");
+}
 
 std::unique_ptr<FrameSource> openScene(const ViewInput& input) {
   if (!input.over.empty() || !input.reference.empty() || !input.sensor.empty() || !input.scene.empty()) {
@@ -28,16 +41,6 @@ std::unique_ptr<FrameSource> openScene(const ViewInput& input) {
       ViewFrame{.key = input.path.filename().string(), .scans = {}, .problems = {}},
       SceneChoice{.file = input.path, .seed = input.seed.value_or(1), .ontology = input.ontology},
       input.ontology.empty() ? readSceneOntology(input.path) : readOntology(input.ontology));
-}
-
-// Returns the file whose path a dataset's manifest records; nothing if the file is not found. The path is relative to
-// the pipeline's folder, which the manifest does not record, so each of pipelineFolders() is tried.
-std::optional<fs::path> fileOf(const std::string& recordedPath, const fs::path& datasetFolder) {
-  for (const fs::path& folder : pipelineFolders(datasetFolder)) {
-    const fs::path file = fileOfSavedPath(recordedPath, folder);
-    if (isFile(file)) return file;
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -56,45 +59,12 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   if (inputIsFile && suffix != ".tar" && !isScan(input.path)) {
     throw InputError(
         {input.path.string()},
-
         "is neither a dataset's folder nor a shard or scan (.tar, {}) nor a scene (.yaml); of a model, `scanmill "
         "draft` makes a scene",
         scanSuffixes());
   }
   if (!input.scene.empty()) requireScene(input.scene);
   return std::make_unique<StoredFrames>(input);
-}
-
-std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const fs::path& datasetFolder, double time,
-                                   std::string& why) {
-  constexpr const char* kAdvice = "give --scene FILE to see it";
-  if (sequence == nullptr || sequence->sceneFile.empty()) {
-    why = fmt::format("the manifest does not say which scene this is of: {}", kAdvice);
-    return std::nullopt;
-  }
-  if (const auto file = fileOf(sequence->sceneFile, datasetFolder)) {
-    return SceneChoice{.file = *file, .seed = sequence->seed, .time = sequence->moving ? time : 0};
-  }
-  why = fmt::format("the scene '{}' of the dataset is not found here: {}", sequence->sceneFile, kAdvice);
-  return std::nullopt;
-}
-
-std::optional<fs::path> vehicleOf(const Manifest& manifest, const fs::path& datasetFolder) {
-  if (manifest.sequences.empty() || manifest.sequences.front().vehicle.empty()) return std::nullopt;
-  return fileOf(manifest.sequences.front().vehicle, datasetFolder);
-}
-
-void requireScene(const fs::path& file) {
-  const Value root = readYaml(file);
-  const FileKind kind = fileKind(root);
-  if (kind == FileKind::Scene) return;
-  if (kind == FileKind::Pipeline) {
-    throw InputError({file.string()},
-                     "is a pipeline: `scanmill generate {} -o DIR` makes the dataset that can be viewed",
-                     file.string());
-  }
-  expectKind(root, FileKind::Scene);
-  throw InputError({file.string()}, "is no scene: that has a list of `objects`");
 }
 
 }  // namespace scanmill

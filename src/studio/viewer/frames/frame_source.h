@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "dataset/manifest.h"
 #include "dataset/names.h"
 #include "dataset/objects.h"
 #include "scan/scan.h"
@@ -133,16 +132,5 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 inline std::size_t findFrame(const FrameSource& source, const std::string& name) {
   return findKey(source.keys(), name, source.title());
 }
-
-// Returns the scene of a sequence at a time (s since the drive began). If the scene is not found or `sequence` is null,
-// returns nothing, and `why` receives the reason.
-std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const std::filesystem::path& datasetFolder,
-                                   double time, std::string& why);
-
-// Returns the scene file of a dataset's ego vehicle; nothing if there is none, or if it is not found.
-std::optional<std::filesystem::path> vehicleOf(const Manifest& manifest, const std::filesystem::path& datasetFolder);
-
-// Throws InputError if the file is not a scene.
-void requireScene(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -7,10 +7,13 @@
 
 #include "base/append_new.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/parallel.h"
+#include "config/resources.h"
 #include "config/text.h"
 #include "dataset/names.h"
 #include "dataset/world_positions.h"
+#include "pipeline/plan/dataset_plan.h"
 
 namespace scanmill {
 
@@ -65,7 +68,31 @@ bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
          record->worldFromSensor.front() != record->worldFromSensor.back();
 }
 
+// Returns the file whose path a dataset's manifest records; nothing if the file is not found. The path is relative to
+// the pipeline's folder, which the manifest does not record, so each of pipelineFolders() is tried.
+std::optional<fs::path> fileOf(const std::string& recordedPath, const fs::path& datasetFolder) {
+  for (const fs::path& folder : pipelineFolders(datasetFolder)) {
+    const fs::path file = fileOfSavedPath(recordedPath, folder);
+    if (isFile(file)) return file;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const fs::path& datasetFolder, double time,
+                                   std::string& why) {
+  constexpr const char* kAdvice = "give --scene FILE to see it";
+  if (sequence == nullptr || sequence->sceneFile.empty()) {
+    why = fmt::format("the manifest does not say which scene this is of: {}", kAdvice);
+    return std::nullopt;
+  }
+  if (const auto file = fileOf(sequence->sceneFile, datasetFolder)) {
+    return SceneChoice{.file = *file, .seed = sequence->seed, .time = sequence->moving ? time : 0};
+  }
+  why = fmt::format("the scene '{}' of the dataset is not found here: {}", sequence->sceneFile, kAdvice);
+  return std::nullopt;
+}
 
 // Returns the points in the sensor's frame at the start of the revolution; empty if Scan::position is in this frame.
 std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed) {
@@ -344,7 +371,8 @@ std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& w
 
 std::optional<std::filesystem::path> StoredFrames::vehicle() const {
   const Manifest* const manifest = mainStore().manifest();
-  return manifest == nullptr ? std::nullopt : vehicleOf(*manifest, mainStore().folder());
+  if (manifest == nullptr || manifest->sequences.empty() || manifest->sequences.front().vehicle.empty()) return {};
+  return fileOf(manifest->sequences.front().vehicle, mainStore().folder());
 }
 
 // Returns the ego vehicle's pose at the start of the sample's first scan; nothing if the pose is unknown.

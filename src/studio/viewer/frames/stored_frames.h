@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "dataset/manifest.h"
 #include "dataset/scan_store.h"
 #include "scan/scan.h"
 #include "sensors/beams.h"
@@ -59,6 +60,11 @@ class StoredFrames : public FrameSource {
   // The samples of each sequence, in the order of frames; the keys are the sequences' names.
   std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;
 };
+
+// Returns the scene of a sequence at a time (s since the drive began). If the scene is not found or `sequence` is null,
+// returns nothing, and `why` receives the reason.
+std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const std::filesystem::path& datasetFolder,
+                                   double time, std::string& why);
 
 // Returns the distance (m) of each point from the point of the same beam and return in the noise-free reference. The
 // distance is NaN if the beam has no return in the reference, and for false positives, which come from no surface.

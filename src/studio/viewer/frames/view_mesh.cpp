@@ -155,9 +155,8 @@ std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origi
       }
     }
   }
-  std::vector<Box> cells;
-  std::ranges::copy(std::views::values(occupied), std::back_inserter(cells));
-  return cells;
+  const auto cells = std::views::values(occupied);
+  return {cells.begin(), cells.end()};
 }
 
 // Returns a box that contains most of a scene. The scene is divided into grid cells; at each side of the box, about the

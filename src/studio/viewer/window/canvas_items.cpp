@@ -42,12 +42,6 @@ void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& co
   }
 }
 
-void addBoxFront(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color) {
-  const double length = std::max(0.5, size.x / 4);  // m
-  const Vec3d start{size.x / 2, 0, -size.z / 2};
-  lines.add(pose * start, pose * (start + Vec3d{length, 0, 0}), color);
-}
-
 double groundHeight(std::span<const Vec3f> points, const Affine& pose) {
   constexpr double kGroundPercentile = 0.05;
   std::vector<double> heights;

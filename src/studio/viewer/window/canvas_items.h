@@ -48,8 +48,6 @@ void addTrack(LineSet& lines, std::span<const Vec3d> positions, std::size_t curr
 
 // Adds the edges of a box. `pose`: pose of its centre. `size`: lengths along x, y and z (m).
 void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color);
-// Adds a line along x that starts on the front (x > 0) of a box, in the middle of its lower edge.
-void addBoxFront(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color);
 
 // Returns the height (m) of the ground around a sensor: the 5th percentile of z over the finite points, transformed by
 // `pose`; 0 if no point is finite.

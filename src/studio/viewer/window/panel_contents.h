@@ -52,11 +52,9 @@ struct PanelContents {
   bool help = false;                  // true: the list of keys is shown
 
  private:
-  // Functions in panel_contents.cpp:
   void fillPanes();
   void addLabel(const Vec3d& position, const PanelLabel& label);
   void addSensorLabels();
-  // Legends, and the messages of views that show nothing:
   void completeClasses(Legend& legend) const;
   void collectLegends();
   void countActiveView(LegendBlock& block);

@@ -26,7 +26,7 @@ std::optional<std::size_t> pointWithKey(const Scan& scan, const PointKey& key) {
 
 // Adds the point's values in the columns of the table and in the file's foreign columns, except for class, instance,
 // ring and column, which other rows show.
-void addColumns(NamedTexts& rows, const Scan& scan, std::size_t point) {
+void addColumns(NamedValues& rows, const Scan& scan, std::size_t point) {
   const ColumnSet inOtherRows(kLabel, kInstance, kRing, kColumn);
   visitTable(scan, [&](auto key, const auto& values) {
     if (values.empty() || inOtherRows.has(key)) return;
@@ -34,7 +34,7 @@ void addColumns(NamedTexts& rows, const Scan& scan, std::size_t point) {
   });
   for (const ForeignColumn& column : scan.foreign) {
     // A foreign column may have the same name as a column of the table.
-    const bool isUsed = std::ranges::count(rows, column.name, &NamedTexts::value_type::first) > 0;
+    const bool isUsed = std::ranges::count(rows, column.name, &NamedValues::value_type::first) > 0;
     std::visit(
         [&](const auto& values) {
           rows.emplace_back(column.name + (isUsed ? " (in the file)" : ""), fmt::format("{}", values[point]));
@@ -44,7 +44,7 @@ void addColumns(NamedTexts& rows, const Scan& scan, std::size_t point) {
 }
 
 // Adds the ring, the column and the return number of a point, except those that the scan lacks.
-void addKey(NamedTexts& rows, const Scan& scan, std::size_t point) {
+void addKey(NamedValues& rows, const Scan& scan, std::size_t point) {
   const PointKey key = scan.organised ? keyOf(scan, point) : PointKey{};  // an organised scan need not have columns
   if (scan.organised || !scan[kRing].empty()) {
     rows.emplace_back("ring", fmt::format("{}", scan.organised ? key.ring : scan[kRing][point]));
@@ -67,7 +67,7 @@ std::optional<std::size_t> beamOf(const ViewScan& viewed, std::size_t point) {
 }
 
 // Adds the angles of the point's beam or, if the beam is unknown, of the point, and the time at which the beam fires.
-void addBeam(NamedTexts& rows, const ViewScan& viewed, std::size_t point) {
+void addBeam(NamedValues& rows, const ViewScan& viewed, std::size_t point) {
   const std::optional<std::size_t> beam = beamOf(viewed, point);
   const Vec3d direction = beam ? viewed.beams->direction[*beam] : Vec3d(viewed.scan.position[point]);
   const std::string prefix = beam ? "beam " : "";
@@ -78,7 +78,7 @@ void addBeam(NamedTexts& rows, const ViewScan& viewed, std::size_t point) {
   }
 }
 
-void addPosition(NamedTexts& rows, const std::string& frame, const Vec3d& p) {
+void addPosition(NamedValues& rows, const std::string& frame, const Vec3d& p) {
   for (const auto& [axis, metres] : {std::pair("x", p.x), {"y", p.y}, {"z", p.z}}) {
     rows.emplace_back(frame + axis, fmt::format("{:.3f} m", metres));
   }
@@ -98,7 +98,7 @@ PickedElement describePoint(const ViewScan& viewed, std::size_t scanIndex, std::
   const Scan& scan = viewed.scan;
   const Vec3d p(scan.position[point]);
   PickedElement picked{.heading = "point", .scan = scanIndex, .point = point};
-  NamedTexts& rows = picked.rows;
+  NamedValues& rows = picked.rows;
   if (!scan[kLabel].empty()) {
     picked.heading = className(ontology, scan[kLabel][point]);
     rows.emplace_back("class", fmt::format("{} ({})", picked.heading, scan[kLabel][point]));
@@ -138,8 +138,8 @@ void addBrief(PickedElement& picked, const ViewScan& viewed, const ColorBy& show
 void addInstance(PickedElement& picked, const InstanceSummary& summary, const Ontology* ontology) {
   const Vec3d& size = summary.size;
   const std::string points = pluralOf(summary.points.size(), "point");
-  NamedTexts rows{{"its points", grouped(summary.points.size())},
-                  {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
+  NamedValues rows{{"its points", grouped(summary.points.size())},
+                   {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
   picked.brief.emplace_back("instance", fmt::format("{}, {:.1f} x {:.1f} x {:.1f} m", points, size.x, size.y, size.z));
   if (summary.classes.size() > 1) {
     std::string classes;
@@ -150,7 +150,7 @@ void addInstance(PickedElement& picked, const InstanceSummary& summary, const On
     rows.emplace_back(picked.alarm, classes);
     picked.brief.emplace_back(picked.alarm, classes);
   }
-  auto next = std::ranges::find(picked.rows, "instance", &NamedTexts::value_type::first);
+  auto next = std::ranges::find(picked.rows, "instance", &NamedValues::value_type::first);
   if (next != picked.rows.end()) ++next;  // the row after "instance"
   picked.rows.insert(next, rows.begin(), rows.end());
 }

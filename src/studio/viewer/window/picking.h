@@ -12,6 +12,7 @@
 
 #include "base/vec.h"
 #include "viewer/frames/view_mesh.h"
+#include "viewer/panels/widgets.h"
 #include "viewer/window/session_context.h"
 
 namespace scanmill {
@@ -44,14 +45,11 @@ SightLine sightLine(const ViewCamera& camera, double x, double y);
 
 constexpr std::size_t kNoScan = SIZE_MAX;
 
-// Names and values, in the order in which the user sees them.
-using NamedTexts = std::vector<std::pair<std::string, std::string>>;
-
 // A point, or a triangle of a scene, that is under the pointer or was clicked, described for the user.
 struct PickedElement {
   std::string heading{};  // class and instance id, such as "car 4711"
-  NamedTexts rows{};
-  NamedTexts brief{};     // rows of the tooltip beside the pointer
+  NamedValues rows{};
+  NamedValues brief{};    // rows of the tooltip beside the pointer
   std::string alarm{};    // name of the row that is shown as a warning; empty: none
   std::size_t scan = 0;   // index of the scan in the frame; kNoScan: a triangle
   std::size_t point = 0;  // index of the point in the scan or the triangle in the mesh

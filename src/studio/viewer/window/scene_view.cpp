@@ -53,20 +53,17 @@ void SceneView::computeCanvasFrame() {
   }
 }
 
-// Returns the pose of a scan in the canvas frame. A scan without a pose, such as a single file that is shown with a
-// dataset, gets the pose worldFromAnchor.
-Affine SceneView::canvasFromScan(const ViewScan& scan) const {
-  if (!worldFromAnchor) return {};
-  return canvasFromWorld * toAffine(scan.worldFromSensor.value_or(*worldFromAnchor));
-}
-
 void SceneView::placeClouds() {
   contents_.clear();
   ground = {};
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     ShownCloud& cloud = clouds_.list[k];
     const ViewScan& viewed = clouds_.scanOf(cloud);
-    cloud.canvasFromScan = canvasFromScan(viewed);
+    cloud.canvasFromScan = {};
+    // A scan without a pose, such as a single file that is shown with a dataset, gets the pose worldFromAnchor.
+    if (worldFromAnchor) {
+      cloud.canvasFromScan = canvasFromWorld * toAffine(viewed.worldFromSensor.value_or(*worldFromAnchor));
+    }
     context_.canvas.setLook(cloudItem(k),
                             {.canvasFromItem = cloud.canvasFromScan, .size = pointSize(), .views = 1U << cloud.view});
     double radius2 = 0;

@@ -105,14 +105,11 @@ struct SceneView {
 
  private:
   void computeCanvasFrame();
-  Affine canvasFromScan(const ViewScan& scan) const;
   OrbitCamera closeUpCamera(const CloseUp& closeUp) const;
   std::vector<Vec3d> pointsOnCanvas() const;
   void findRoadUsers();
   bool isBoxShown(const ObjectRecord& object) const;
   void addObjectBox(LineSet& lines, const ObjectRecord& object) const;
-  void addInstanceBoxes(LineSet& lines);
-  void showScene();
   std::uint32_t allViews() const { return (1U << clouds_.viewCount()) - 1; }  // see ItemLook::views
 
   SessionContext& context_;

@@ -30,11 +30,7 @@ void SceneView::placeMesh() {
   context_.canvas.set(kMeshItem, ItemKind::Triangles, mesh->corners, meshColoring.colors);
   placeMeshLook();
   applyFilter();
-  if (context_.source->isScene()) showScene();
-}
-
-// Draws the guides of a scene without scans. The first time, also moves the camera and reports what the scene lacks.
-void SceneView::showScene() {
+  if (!context_.source->isScene()) return;
   placeGuides();
   if (isFitted_) return;
   isFitted_ = true;
@@ -184,7 +180,14 @@ void SceneView::placeBoxes() {
       if (isBoxShown(object)) addObjectBox(lines, object);
     }
   }
-  addInstanceBoxes(lines);
+  if (instanceBoxes && !clouds_.list.empty() && context_.frame->objects.empty()) {
+    // The smallest upright box around each instance's points, in the colour of the instance's most frequent class.
+    for (const InstanceSummary& instance : instances()) {
+      const std::uint16_t semantic = classOf(instance);
+      if (!context_.filter.showsInstance(instance.id) || !context_.filter.classes.shows(semantic)) continue;
+      addBox(lines, instance.levelFromBox, instance.size, classColor(context_.source->ontology(), semantic));
+    }
+  }
   setLines(kBoxesItem, lines, 1);
   context_.changes.items = context_.changes.panels = true;
 }
@@ -200,7 +203,10 @@ void SceneView::addObjectBox(LineSet& lines, const ObjectRecord& object) const {
   if (!isSeen && length(box.translation - clouds_.list.front().canvasFromScan.translation) > kUnseenWithin) return;
   const Rgb color = isSeen ? fullColor : mix(fullColor, context_.options.background, kUnseenShare);
   addBox(lines, box, object.size, color);
-  if (object.headingKnown) addBoxFront(lines, box, object.size, color);
+  if (object.headingKnown) {  // a line ahead from the middle of the front's lower edge
+    const Vec3d start{object.size.x / 2, 0, -object.size.z / 2};
+    lines.add(box * start, box * (start + Vec3d{std::max(0.5, object.size.x / 4), 0, 0}), color);
+  }
   constexpr double kSeconds = 1;  // a moving object gets a line to its centre's position after this time (s)
   if (!object.moves) return;
   const Vec3d& center = box.translation;
@@ -222,7 +228,7 @@ std::vector<std::pair<const ObjectRecord*, const ObjectView*>> SceneView::neares
 void SceneView::addObjectRows(PickedElement& picked, std::uint32_t instance) const {
   const auto object = std::ranges::find(context_.frame->objects, instance, &ObjectRecord::id);
   if (object == context_.frame->objects.end()) return;
-  NamedTexts& rows = picked.rows;
+  NamedValues& rows = picked.rows;
   rows.emplace_back("object", object->name);
   rows.emplace_back("box", fmt::format("{:.2f} x {:.2f} x {:.2f} m{}", object->size.x, object->size.y, object->size.z,
                                        object->headingKnown ? "" : ", heading unknown"));
@@ -247,17 +253,6 @@ const std::vector<InstanceSummary>& SceneView::instances() {
     summarized_ = frameAndScan;
   }
   return instances_;
-}
-
-// Adds the smallest upright box around each shown instance's points, in the colour of the instance's most frequent
-// class. Adds nothing if these boxes are off or the frame lists objects.
-void SceneView::addInstanceBoxes(LineSet& lines) {
-  if (!instanceBoxes || clouds_.list.empty() || !context_.frame->objects.empty()) return;
-  for (const InstanceSummary& instance : instances()) {
-    const std::uint16_t semantic = classOf(instance);
-    if (!context_.filter.showsInstance(instance.id) || !context_.filter.classes.shows(semantic)) continue;
-    addBox(lines, instance.levelFromBox, instance.size, classColor(context_.source->ontology(), semantic));
-  }
 }
 
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {

@@ -93,8 +93,6 @@ class ViewSession {
   void drawLegends(LegendKind kind);
   void drawScaleOf(const LegendBlock& block);
   void drawEntriesOf(const Legend& legend);
-  void showOnlyScan(std::size_t scan);
-  void toggleScan(std::size_t scan);
   std::vector<const InstanceSummary*> sortedInstances();
   void drawInstances();
   void drawStrip();

@@ -24,11 +24,6 @@ void SessionContext::hint(const std::string& text) {
   notify(text, kSeconds);
 }
 
-bool SessionContext::removeOldNotices() {
-  const double now = redraw.now();
-  return std::erase_if(notices, [&](const ViewNotice& n) { return n.until < now; }) > 0;
-}
-
 ClassFilter::ClassFilter(const std::vector<std::string>& names, bool only, const Ontology* ontology)
     : only_(only && !names.empty()) {
   for (const std::string& name : names) {

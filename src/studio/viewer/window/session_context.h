@@ -73,8 +73,6 @@ struct SessionContext {
   void notify(const std::string& text, double seconds = 4);
   // Shows a message for longer than notify() does by default. The same message is shown only once in a session.
   void hint(const std::string& text);
-  // Removes the notices whose time is over. Returns true if there was at least one.
-  bool removeOldNotices();
 
   std::shared_ptr<const FrameSource> source;
   Canvas& canvas;

@@ -89,7 +89,8 @@ void ViewSession::tick() {
     context_.changes.panels = true;
     takeWhatIsLoaded();
   }
-  if (context_.removeOldNotices()) context_.changes.panels = true;
+  const auto removed = std::erase_if(context_.notices, [&](const ViewNotice& notice) { return notice.until < now; });
+  if (removed > 0) context_.changes.panels = true;
   if (!playback_.playing() && pointer_.drag.button == 0 && context_.redraw.allPointsDue()) flush(Detail::AllPoints);
 }
 

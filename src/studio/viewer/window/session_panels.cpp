@@ -168,26 +168,21 @@ void ViewSession::drawEntriesOf(const Legend& legend) {
   const bool showsOnly = panels_.imgui.shift() || panels_.imgui.clicks() == 2;
   const std::int64_t id = legend.entries[*click.entry].id;
   if (clouds_.overlaid()) {
-    showsOnly ? showOnlyScan(static_cast<std::size_t>(id)) : toggleScan(static_cast<std::size_t>(id));
+    std::set<std::string>& hiddenScans = context_.filter.hiddenScans;
+    const std::string& clicked = context_.frame->scans[static_cast<std::size_t>(id)].name;
+    if (showsOnly) {
+      hiddenScans.clear();
+      for (const ViewScan& scan : context_.frame->scans) hiddenScans.insert(scan.name);
+      hiddenScans.erase(clicked);
+    } else if (hiddenScans.erase(clicked) == 0) {
+      hiddenScans.insert(clicked);
+    }
   } else if (showsOnly) {
     context_.filter.classes.showOnly(static_cast<std::uint16_t>(id));
   } else {
     context_.filter.classes.toggle(static_cast<std::uint16_t>(id));
   }
   applyFilter();
-}
-
-// These functions change the scans that the overlay of all scans shows. `scan`: index in the frame.
-void ViewSession::showOnlyScan(std::size_t scan) {
-  context_.filter.hiddenScans.clear();
-  for (std::size_t s = 0; s < context_.frame->scans.size(); ++s) {
-    if (s != scan) context_.filter.hiddenScans.insert(context_.frame->scans[s].name);
-  }
-}
-
-void ViewSession::toggleScan(std::size_t scan) {
-  const std::string& name = context_.frame->scans[scan].name;
-  if (context_.filter.hiddenScans.erase(name) == 0) context_.filter.hiddenScans.insert(name);
 }
 
 // Draws the range image, with a ring around the point under the pointer or the clicked point. A click selects a point

@@ -49,10 +49,6 @@ const ShownCloud* ShownClouds::inView(std::size_t view) const {
   return found == list.end() ? nullptr : &*found;
 }
 
-bool ShownClouds::isHidden(const ShownCloud& cloud) const {
-  return overlaid() && context_.filter.hiddenScans.contains(scanOf(cloud).name);
-}
-
 ColorContext ShownClouds::contextOf(const ViewScan& scan) const {
   return {.ontology = context_.source->ontology(),
           .error = scan.error,

@@ -49,7 +49,9 @@ struct ShownClouds {
   const ShownCloud* inView(std::size_t view) const;  // returns the first cloud in the view; null if there is none
   const ViewScan& scanOf(const ShownCloud& cloud) const { return context_.frame->scans[cloud.scan]; }
   // True if the user has hidden the cloud's scan in the overlay of all scans.
-  bool isHidden(const ShownCloud& cloud) const;
+  bool isHidden(const ShownCloud& cloud) const {
+    return overlaid() && context_.filter.hiddenScans.contains(scanOf(cloud).name);
+  }
 
   // chooseColor() colours by the quantity `by`; cycleColor() by the next (`step` 1) or previous (-1) quantity that the
   // scans have. Both change the active view or, if no view is active, all views. If a scan lacks `by`, chooseColor()

@@ -7,6 +7,7 @@
 #include "dataset/scan_store.h"
 #include "tests/studio/viewer/frames/frame_fixture.h"
 #include "tests/support/shared_data.h"
+#include "viewer/frames/stored_frames.h"
 
 namespace scanmill {
 namespace {
