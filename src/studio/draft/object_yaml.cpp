@@ -118,37 +118,36 @@ struct DraftedRules {
   bool complete = true;                        // false: no rule matches some of the parts
 };
 
-// Writes the classes of one file as keys of an object in YAML. All write functions append to their argument `yaml`.
+// Writes the classes of one file as keys of an object in YAML. The write functions append to `yaml_`.
 class ClassWriter {
  public:
   ClassWriter(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
       : model_(model), concepts_(concepts), ontology_(ontology) {}
 
-  // If all parts have the same class, writes this class; otherwise writes rules, and the class of parts without a rule.
-  void write(std::string& yaml) const {
+  // Returns the class of all parts or, if they have several, rules and the class of parts without a rule.
+  std::string write() {
     if (const Concept* const only = onlyConcept()) {
-      writeClassOfRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);
-      return;
+      writeClassOfRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "");
+      return yaml_;
     }
     const DraftedRules rules = draftRules();
-    writeInstances(yaml);
-    if (!rules.single.empty() || !rules.several.empty()) yaml += "    rules:\n";
+    writeInstances();
+    if (!rules.single.empty() || !rules.several.empty()) yaml_ += "    rules:\n";
     for (const auto& [patterns, rule] : rules.several) {
       std::vector<std::string> keys;
       for (std::size_t k = 0; k < patterns.size(); ++k) {
         if (!patterns[k].empty()) keys.push_back(fmt::format("{}: {}", kKeys[k], quotedValue(patterns[k])));
       }
-      writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second, yaml);
+      writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second);
     }
-    for (const auto& [key, patterns] : rules.single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
+    for (const auto& [key, patterns] : rules.single) writeAlternatives(kKeys[key.second], *key.first, patterns);
     const Concept* const file = model_.fileConcept;
     if (!rules.complete && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
-      writeClassOfRest(*file,
-                       fmt::format("   # for all triangles without a rule: by the name of the {}",
-                                   model_.conceptByFolder ? "folder" : "file"),
-                       yaml);
+      writeClassOfRest(*file, fmt::format("   # for all triangles without a rule: by the name of the {}",
+                                          model_.conceptByFolder ? "folder" : "file"));
     }
-    writeUnknown(rules.unknown, yaml);
+    writeUnknown(rules.unknown);
+    return yaml_;
   }
 
  private:
@@ -190,18 +189,17 @@ class ClassWriter {
   }
 
   // Makes each node an instance if the file probably contains several objects.
-  void writeInstances(std::string& yaml) const {
+  void writeInstances() {
     constexpr double kPlaceWidth = 30;  // width (m) above which a file of several nodes counts as a place
     std::set<std::string> nodes;
     for (const GuessedPart& part : model_.parts) nodes.insert(part.node);
     const Vec3d size = model_.box.high - model_.box.low;
     if (nodes.size() > 2 && (model_.frame.severalObjects || std::max(size.x, size.y) > kPlaceWidth))
-      yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
+      yaml_ += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
   }
 
   // Writes rules with up to kMost alternative patterns each, such as "{wall*,door*}".
-  void writeAlternatives(const char* key, const Concept& c, const std::map<std::string, std::uint64_t>& patterns,
-                         std::string& yaml) const {
+  void writeAlternatives(const char* key, const Concept& c, const std::map<std::string, std::uint64_t>& patterns) {
     constexpr std::size_t kMost = 8;
     for (auto next = patterns.begin(); next != patterns.end();) {
       std::vector<std::string> alternatives;
@@ -212,28 +210,28 @@ class ClassWriter {
       }
       const std::string pattern =
           alternatives.size() == 1 ? alternatives[0] : fmt::format("{{{}}}", fmt::join(alternatives, ","));
-      writeRule(fmt::format("{}: {}", key, quotedValue(pattern)), c, triangles, yaml);
+      writeRule(fmt::format("{}: {}", key, quotedValue(pattern)), c, triangles);
     }
   }
 
   // Appends one rule. `conditions`: the keys of `match` with their patterns.
-  void writeRule(const std::string& conditions, const Concept& c, std::uint64_t triangles, std::string& yaml) const {
+  void writeRule(const std::string& conditions, const Concept& c, std::uint64_t triangles) {
     std::string result = "drop: true";
     if (c.kind != ConceptKind::Drop) result = "class: " + nameValue(classFor(c, ontology_));
     if (c.kind != ConceptKind::Drop && !c.material.empty() && !model_.measured) {
       result += ", material: " + nameValue(c.material);
     }
-    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", conditions, result, grouped(triangles));
+    yaml_ += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", conditions, result, grouped(triangles));
   }
 
-  void writeClassOfRest(const Concept& c, std::string_view comment, std::string& yaml) const {
-    yaml += fmt::format("    class: {}{}\n", nameValue(classFor(c, ontology_)), comment);
-    if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", nameValue(c.material));
+  void writeClassOfRest(const Concept& c, std::string_view comment) {
+    yaml_ += fmt::format("    class: {}{}\n", nameValue(classFor(c, ontology_)), comment);
+    if (!c.material.empty() && !model_.measured) yaml_ += fmt::format("    material: {}\n", nameValue(c.material));
   }
 
   // Lists the parts whose own names state no concept, with their numbers of triangles. If there are many, parts that
   // differ only in the node's name share a line.
-  static void writeUnknown(std::map<PartNames, std::uint64_t> unknown, std::string& yaml) {
+  void writeUnknown(std::map<PartNames, std::uint64_t> unknown) {
     constexpr std::size_t kMost = 20;
     if (unknown.empty()) return;
     if (unknown.size() > kMost) {
@@ -246,7 +244,7 @@ class ClassWriter {
     }
     std::vector<std::pair<PartNames, std::uint64_t>> sorted(unknown.begin(), unknown.end());
     std::ranges::stable_sort(sorted, std::greater<>(), [](const auto& part) { return part.second; });
-    yaml +=
+    yaml_ +=
         "    # No word shows the classes of these; rules by `color`, `box`, `height` and `size` may separate them "
         "(docs/keys.md):\n";
     for (const auto& [names, triangles] : std::span(sorted).first(std::min(sorted.size(), kMost))) {
@@ -254,15 +252,16 @@ class ClassWriter {
       for (std::size_t k = 0; k < kKeys.size(); ++k) {
         if (!names[k].empty()) texts.push_back(fmt::format("{} {}", kKeys[k], quotedValue(inUtf8(names[k]))));
       }
-      yaml += fmt::format("    #   {}: {} triangles\n",
-                          texts.empty() ? "no name" : fmt::format("{}", fmt::join(texts, ", ")), grouped(triangles));
+      yaml_ += fmt::format("    #   {}: {} triangles\n",
+                           texts.empty() ? "no name" : fmt::format("{}", fmt::join(texts, ", ")), grouped(triangles));
     }
-    if (sorted.size() > kMost) yaml += fmt::format("    #   and {} more\n", sorted.size() - kMost);
+    if (sorted.size() > kMost) yaml_ += fmt::format("    #   and {} more\n", sorted.size() - kMost);
   }
 
   const GuessedFile& model_;
   const std::vector<Concept>& concepts_;
   const Ontology& ontology_;
+  std::string yaml_;
 };
 
 // Returns the path of a file relative to `folder`, which need not exist. Symbolic links in the file's path are kept,
@@ -327,8 +326,7 @@ std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& con
         "    # points: {labels: NAME}   # the points have labels: name the ontology of their numbers (`scanmill list "
         "ontologies`)\n";
   }
-  ClassWriter(model, concepts, ontology).write(yaml);
-  return yaml;
+  return yaml + ClassWriter(model, concepts, ontology).write();
 }
 
 }  // namespace scanmill::draft

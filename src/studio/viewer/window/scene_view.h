@@ -115,8 +115,7 @@ struct SceneView {
   SessionContext& context_;
   ShownClouds& clouds_;
   std::vector<ContentBall> contents_;  // one per shown cloud
-  bool isFitted_ =
-      false;  // true: the camera has been fitted to the first frame or the scene's mesh, which happens once
+  bool isFitted_ = false;              // true: the camera has been fitted, once, to the first frame or the scene's mesh
   std::optional<std::pair<const ViewFrame*, std::size_t>> summarized_;  // frame and scan of the cached `instances_`
   std::vector<InstanceSummary> instances_;
   std::optional<ViewMesh> vehicle_;    // mesh of the ego vehicle, once it has been loaded

@@ -112,9 +112,9 @@ std::optional<PickedElement> SceneView::pickMesh(const SightLine& line) const {
 namespace {
 
 constexpr Rgb kUnknownClass{200, 200, 200};
-constexpr double kUnseenShare =
-    0.75;  // fraction of the background in the colour of objects that the sensor does not see
-constexpr double kUnseenWithin = 40;    // largest distance (m) of drawn objects that the sensor does not see
+// The sensor sees no point of an unseen object.
+constexpr double kUnseenShare = 0.75;   // fraction of the background in the colour of unseen objects
+constexpr double kUnseenWithin = 40;    // largest distance (m) of drawn unseen objects
 constexpr std::size_t kMostNames = 30;  // largest number of objects with a label
 
 // Returns the object's view from a sensor; null if there is none.
