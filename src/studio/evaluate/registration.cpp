@@ -89,7 +89,7 @@ class NearestPoints : public pcl::search::KdTree<pcl::PointXYZ> {
 class PclPair {
  public:
   PclPair(std::span<const Vec3f> source, std::span<const Vec3f> target)
-      : middle_(meanPoint(target)), source_(finiteCloud(source, middle_)), target_(finiteCloud(target, middle_)) {
+      : source_(finiteCloud(source, meanPoint(target))), target_(finiteCloud(target, meanPoint(target))) {
     if (source_->empty() || target_->empty()) return;
     icp_.setInputSource(source_);
     icp_.setInputTarget(target_);
@@ -118,17 +118,7 @@ class PclPair {
     return icp_.hasConverged() && icp_.getFinalTransformation().allFinite();
   }
 
-  // Returns the motion that the last align() found, in the frame of the given clouds.
-  Affine targetFromSource() {
-    const Eigen::Matrix4d m = icp_.getFinalTransformation().cast<double>();
-    const auto column = [&](int c) { return Vec3d{m(0, c), m(1, c), m(2, c)}; };
-    const Mat3 linear{column(0), column(1), column(2)};
-    const auto middle = static_cast<Vec3d>(middle_);
-    return {linear, column(3) + middle - linear * middle};
-  }
-
  private:
-  Vec3f middle_;
   PclCloud::Ptr source_, target_;
   pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> icp_;
 };
@@ -139,10 +129,7 @@ Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> 
   PclPair pair(source, target);
   const std::optional<double> unmoved = pair.fitness(options.fitnessWithin);
   if (!pair.align(options)) return {.unmoved = unmoved, .fitness = unmoved};
-  return {.targetFromSource = pair.targetFromSource(),
-          .moved = true,
-          .unmoved = unmoved,
-          .fitness = pair.fitness(options.fitnessWithin)};
+  return {.moved = true, .unmoved = unmoved, .fitness = pair.fitness(options.fitnessWithin)};
 }
 
 FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {

@@ -20,7 +20,6 @@ struct IcpOptions {
 };
 
 struct Registered {
-  Affine targetFromSource{};  // a rigid motion; the identity if `moved` is false
   // False if ICP cannot find a motion: a cloud has fewer than three points, or fewer than three points can be matched.
   bool moved = false;
   // Fitness: the mean of the squared distances (m^2) from each point of the source to the nearest point of the target,
@@ -31,7 +30,7 @@ struct Registered {
   std::optional<double> fitness{};  // fitness after the motion; without a motion the same as `unmoved`
 };
 
-// Registers `source` to `target` with ICP, starting from the given positions. Returns the motion and the fitness.
+// Registers `source` to `target` with ICP, starting from the given positions.
 Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options = {});
 
 // Statistics of the fitness (m^2) over repeated measurements. All values are zero if there are no measurements.

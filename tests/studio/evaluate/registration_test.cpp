@@ -124,7 +124,6 @@ TEST(FitnessScore, FewAndStrangePointsHaveDefinedResults) {
   for (const Points& few : {one, two}) {
     const Registered result = registerClouds(few, boxCloud());
     EXPECT_FALSE(result.moved);
-    EXPECT_EQ(result.targetFromSource, Affine{});
     EXPECT_EQ(result.fitness, fitness(few, boxCloud()));
     EXPECT_FALSE(registerClouds(boxCloud(), few).moved);
   }
@@ -145,7 +144,6 @@ TEST(Icp, DegenerateCloudsStayFinite) {
       const Registered result = registerClouds(source, target);
       ASSERT_TRUE(result.fitness);
       EXPECT_TRUE(std::isfinite(*result.fitness));
-      EXPECT_TRUE(isFinite(result.targetFromSource.translation));
     }
   }
 }
@@ -156,7 +154,6 @@ TEST(Icp, IdenticalCloudsStayWhereTheyAre) {
   EXPECT_TRUE(result.moved);
   EXPECT_LT(*result.fitness, 1e-12);
   EXPECT_EQ(result.unmoved, 0);
-  EXPECT_LT(length(result.targetFromSource.translation), 1e-6);
 }
 
 TEST(Icp, FindsASmallMotion) {
@@ -170,11 +167,6 @@ TEST(Icp, FindsASmallMotion) {
     ASSERT_TRUE(result.moved);
     EXPECT_GT(*result.unmoved, 1e-5);
     EXPECT_LT(*result.fitness, 1e-8);
-    const Affine found = inverse(there) * result.targetFromSource * there;
-    for (const Vec3f& p : box) {
-      EXPECT_LT(length(found * static_cast<Vec3d>(p) - motion * static_cast<Vec3d>(p)), 2e-4);
-    }
-    EXPECT_NEAR(determinant(result.targetFromSource.linear), 1, 1e-5);
   }
 }
 
