@@ -52,24 +52,24 @@ struct BeamOutcome {
 // Counts and errors of a group of beams. All individual errors are stored, since percentiles need them; they are stored
 // as float, since seven digits are enough.
 struct GroupSum {
-  GroupErrors counts;
+  GroupErrors errors;
   std::vector<float> range, intensity, nearestTo, nearestFrom;
 
   void add(const BeamOutcome& beam) {
-    ++counts.beams;
+    ++errors.beams;
     if (beam.unresolved) {
-      ++counts.unresolved;
+      ++errors.unresolved;
     } else if (!beam.truth && !beam.tested) {
-      ++counts.bothMiss;
+      ++errors.bothMiss;
     } else if (!beam.tested) {
-      ++counts.falseNegatives;
+      ++errors.falseNegatives;
     } else if (!beam.truth) {
-      ++counts.falsePositives;
+      ++errors.falsePositives;
     } else {
-      ++counts.bothHit;
-      counts.sameClass += beam.sameClass ? 1 : 0;
-      counts.sameInstance += beam.sameInstance ? 1 : 0;
-      counts.sameLabel += beam.sameClass && beam.sameInstance ? 1 : 0;
+      ++errors.bothHit;
+      errors.sameClass += beam.sameClass ? 1 : 0;
+      errors.sameInstance += beam.sameInstance ? 1 : 0;
+      errors.sameLabel += beam.sameClass && beam.sameInstance ? 1 : 0;
       range.push_back(beam.range);
       if (std::isfinite(beam.intensity)) intensity.push_back(beam.intensity);
     }
@@ -78,13 +78,13 @@ struct GroupSum {
   }
 };
 
-// Returns a group for each band up to the last band with beams; the groups' spreads are not set. `sums`: one per band.
+// Returns a group for each band up to the last band with beams; `sums`: one per band.
 template <std::size_t N>
 std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* unit,
                               const std::array<GroupSum, N - 1>& sums) {
   std::vector<ErrorGroup> groups;
   for (std::size_t i = 0; i + 1 < N; ++i) {
-    groups.push_back({bandName(edges[i], edges[i + 1], unit), edges[i], edges[i + 1], sums[i].counts});
+    groups.push_back({bandName(edges[i], edges[i + 1], unit), edges[i], edges[i + 1], sums[i].errors});
   }
   while (!groups.empty() && groups.back().errors.beams == 0) groups.pop_back();
   return groups;
@@ -124,38 +124,34 @@ class BeamErrorSum::Impl {
     }
   }
 
-  BeamErrors finish() const {
-    BeamErrors errors;
-    errors.all = all_.counts;
-    errors.byEdge = {{"interior", 0, 0, byEdge_[0].counts}, {"edges", 0, 0, byEdge_[1].counts}};
-    errors.byRange = bands(kRangeEdges, "m", ranges_);
-    errors.byIncidence = bands(kIncidenceEdges, "deg", incidences_);
-    for (const auto& [id, sum] : classes_) {
-      const SemanticClass* c = scene_.ontology.find(id);
-      errors.byClass.push_back({c != nullptr ? c->name : fmt::format("class {}", id), 0, 0, sum.counts});
-    }
+  BeamErrors finish() {
     // Pairs of a list of errors and the spread to compute from it.
     std::vector<std::pair<const std::vector<float>*, Spread*>> spreads;
-    const auto addSpreads = [&](const GroupSum& sum, GroupErrors& group) {
-      spreads.insert(spreads.end(), {{&sum.range, &group.range},
-                                     {&sum.intensity, &group.intensity},
-                                     {&sum.nearestTo, &group.nearestTo},
-                                     {&sum.nearestFrom, &group.nearestFrom}});
+    const auto addSpreads = [&](GroupSum& sum) {
+      spreads.insert(spreads.end(), {{&sum.range, &sum.errors.range},
+                                     {&sum.intensity, &sum.errors.intensity},
+                                     {&sum.nearestTo, &sum.errors.nearestTo},
+                                     {&sum.nearestFrom, &sum.errors.nearestFrom}});
     };
-    const auto addSpreadsOfEach = [&](const auto& sums, std::vector<ErrorGroup>& groups) {
-      for (std::size_t i = 0; i < groups.size(); ++i) addSpreads(sums[i], groups[i].errors);
-    };
-    addSpreads(all_, errors.all);
-    addSpreadsOfEach(byEdge_, errors.byEdge);
-    addSpreadsOfEach(ranges_, errors.byRange);
-    addSpreadsOfEach(incidences_, errors.byIncidence);
-    auto byClass = errors.byClass.begin();
-    for (const auto& [id, sum] : classes_) addSpreads(sum, (byClass++)->errors);
+    addSpreads(all_);
+    std::ranges::for_each(byEdge_, addSpreads);
+    std::ranges::for_each(ranges_, addSpreads);
+    std::ranges::for_each(incidences_, addSpreads);
+    for (auto& [id, sum] : classes_) addSpreads(sum);
     // Computing percentiles takes most of the time, so several threads share the lists of errors.
     parallelForEach(spreads.size(), 1, [&](std::size_t i) {
       const auto& [values, result] = spreads[i];
       *result = spreadOf({values->begin(), values->end()});
     });
+    BeamErrors errors;
+    errors.all = all_.errors;
+    errors.byEdge = {{"interior", 0, 0, byEdge_[0].errors}, {"edges", 0, 0, byEdge_[1].errors}};
+    errors.byRange = bands(kRangeEdges, "m", ranges_);
+    errors.byIncidence = bands(kIncidenceEdges, "deg", incidences_);
+    for (const auto& [id, sum] : classes_) {
+      const SemanticClass* c = scene_.ontology.find(id);
+      errors.byClass.push_back({c != nullptr ? c->name : fmt::format("class {}", id), 0, 0, sum.errors});
+    }
     errors.byThickness = recall(kThicknessEdges, &InstanceSize::smallest);
     errors.byLength = recall(kLengthEdges, &InstanceSize::largest);
     return errors;
@@ -234,23 +230,25 @@ void BeamErrorSum::add(const TrueShot& truth, const Hits& tested, std::span<cons
   impl_->add(truth, tested, intensity, nearestTo, nearestFrom);
 }
 
-BeamErrors BeamErrorSum::finish() const {
+BeamErrors BeamErrorSum::finish() {
   return impl_->finish();
 }
 
-std::vector<Box> objectBoxes(const Mesh& mesh) {
-  std::vector<Box> boxes(mesh.objects);
-  for (std::size_t t = 0; mesh.objects > 0 && t < mesh.triangles.size(); ++t) {
-    const std::uint32_t object = mesh.surfaces[mesh.surfaceOf[t]].object;
-    if (object == 0) continue;
-    for (const std::uint32_t corner : mesh.triangles[t]) boxes[object - 1].add(Vec3d(mesh.positions[corner]));
+std::vector<std::vector<Box>> objectBoxes(const Scene& scene) {
+  std::vector<std::vector<Box>> boxes;
+  for (const Mesh& mesh : scene.meshes) {
+    std::vector<Box>& ofMesh = boxes.emplace_back(mesh.objects);
+    for (std::size_t t = 0; mesh.objects > 0 && t < mesh.triangles.size(); ++t) {
+      const std::uint32_t object = mesh.surfaces[mesh.surfaceOf[t]].object;
+      if (object == 0) continue;
+      for (const std::uint32_t corner : mesh.triangles[t]) ofMesh[object - 1].add(Vec3d(mesh.positions[corner]));
+    }
   }
   return boxes;
 }
 
 std::vector<InstanceSize> instanceSizes(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
-  for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
+  const std::vector<std::vector<Box>> boxes = objectBoxes(scene);
   std::vector<InstanceSize> sizes(1);
   for (const Instance& instance : scene.instances) {
     const Mat3& linear = instance.worldFromMesh.linear;

@@ -99,15 +99,16 @@ class BeamErrorSum {
   // has another number of beams than `truth`, or if the truth hits instances that the scene does not have.
   void add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
            std::span<const float> nearestTo = {}, std::span<const float> nearestFrom = {});
-  BeamErrors finish() const;
+  BeamErrors finish();
 
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-// Returns the bounding boxes of a mesh's objects in the mesh's frame (m); the index is Surface::object - 1.
-std::vector<Box> objectBoxes(const Mesh& mesh);
+// Returns the bounding boxes of the objects of each mesh of a scene, in the mesh's frame (m); the index of an object is
+// Surface::object - 1.
+std::vector<std::vector<Box>> objectBoxes(const Scene& scene);
 
 // The shortest and longest edge (m) of an object instance's bounding box, which is aligned with its mesh's axes.
 struct InstanceSize {

@@ -269,8 +269,7 @@ std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   points.reserve(hits.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits.hit(i)) continue;
-    Vec3d p = beams.direction[i] * double{hits.range[i]};
-    if (!beams.origin.empty()) p += Vec3d(beams.origin[i]);
+    Vec3d p = beams.originOf(i) + beams.direction[i] * double{hits.range[i]};
     if (!toStart.empty()) p = toStart[shot.stepOf(static_cast<std::uint32_t>(i % hits.columns))] * p;
     points.push_back(Vec3f(p));
   }

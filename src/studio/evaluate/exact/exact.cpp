@@ -218,13 +218,6 @@ double embreeComponent(double component) {
   return std::abs(component) < kAlongAnAxis ? 0.0 : component;
 }
 
-// Appends the hits of a beam to ExactContext::found. All members of `context` must be set.
-void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& context) {
-  const Vec3d rayDirection{embreeComponent(direction.x), embreeComponent(direction.y), embreeComponent(direction.z)};
-  RTCRayHit ray = newRay(origin, rayDirection, 0, roundUp(context.far));
-  intersectOne(context.world->world.embree.get(), context.embree, ray);
-}
-
 // Returns Embree's hierarchy of all placed meshes. Its callbacks read `built`, which must outlive the hierarchy.
 SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& built) {
   SceneHandle scene(rtcNewScene(device), rtcReleaseScene);
@@ -292,7 +285,9 @@ class ExactTracer::Impl {
       const ShearedBeam beam(origin, direction);
       found.clear();
       ExactContext context{.world = &world, .beam = &beam, .far = coplanarReach(shot.beams->maxRange), .found = &found};
-      findTriangles(origin, direction, context);
+      const Vec3d forEmbree{embreeComponent(direction.x), embreeComponent(direction.y), embreeComponent(direction.z)};
+      RTCRayHit ray = newRay(origin, forEmbree, 0, roundUp(context.far));
+      intersectOne(world.world.embree.get(), context.embree, ray);  // appends the beam's hits to `found`
       if (found.empty()) continue;
       const CandidateHit hit = reportedHit(world.world, found, direction);
       const PlacedBlock& placed = world.world.placed[hit.placed];

@@ -20,12 +20,12 @@ namespace {
 
 // Returns all object instances of a scene, sorted by instance id.
 std::vector<BoxedObject> boxedObjects(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
-  for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
+  const std::vector<std::vector<Box>> boxes = objectBoxes(scene);
   std::vector<BoxedObject> objects;
   for (const Instance& instance : scene.instances) {
+    const Affine meshFromWorld = inverse(instance.worldFromMesh);
     for (const Box& box : boxes[instance.mesh]) {
-      if (!box.empty()) objects.emplace_back(instance.name, instance.worldFromMesh, box);
+      if (!box.empty()) objects.push_back({instance.name, instance.worldFromMesh, meshFromWorld, box});
     }
   }
   return objects;
@@ -39,8 +39,8 @@ const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const s
   double leastDistance = 0;  // distance of `nearest` (m)
   std::vector<std::string> objectNames;
   for (const BoxedObject& object : objects) {
-    appendNew({object.name()}, objectNames);
-    if (!name.empty() && object.name() != name) continue;
+    appendNew({object.name}, objectNames);
+    if (!name.empty() && object.name != name) continue;
     const double distance = object.distance(sensorPosition);
     if (nearest != nullptr && distance >= leastDistance) continue;
     nearest = &object;
@@ -240,8 +240,7 @@ class RepeatabilityRun {
       for (std::size_t c = first; c < last; ++c) {
         repeated.seed = shot.seed + c % choice_.scans;
         const Effects& effects = *choice_.levels[c / choice_.scans].effects[shot.sensor];
-        senseShot({method, channels_, {effects, scene.materials, repeatabilityLayout()}}, repeated, hits, scratch,
-                  scan);
+        senseShot({method, channels_, {effects, scene.materials, kRepeatabilityLayout}}, repeated, hits, scratch, scan);
         clouds[c] = cropToObject(scan, repeated, object, choice_.margin);
       }
     });
@@ -261,7 +260,7 @@ class RepeatabilityRun {
     if (stopped()) throw Error("stopped: nothing was written");
 
     RepeatedPose pose{.frame = shot.frame,
-                      .object = object.name(),
+                      .object = object.name,
                       .distance = object.distance(shot.worldFromSensor.front().translation)};
     for (std::size_t first = 0; first < clouds.size(); first += choice_.scans) {
       pose.points.push_back(countPoints(std::span(clouds).subspan(first, choice_.scans)));

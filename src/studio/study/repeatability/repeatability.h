@@ -104,26 +104,21 @@ struct RepeatabilityChoice {
 // Reads the key `repeatability` of a pipeline; absent keys have the defaults. Throws InputError with file and line.
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
-// Returns the layout of scans for the comparison: positions, and the column of each point.
-ScanLayout repeatabilityLayout();
+// The layout of scans for the comparison: positions, and the column of each point.
+inline const ScanLayout kRepeatabilityLayout{ColumnSet(kColumn), false};
 // Returns the channels that the effects of all noise levels read. A plan with these channels loads the textures.
 Channels repeatabilityChannels(const Pipeline& pipeline);
 
 // An object of a scene, with a bounding box along the axes of the object's mesh.
-class BoxedObject {
- public:
-  BoxedObject(std::string name, const Affine& worldFromMesh, const Box& box);
+struct BoxedObject {
+  std::string name;
+  Affine worldFromMesh, meshFromWorld;
+  Box box;
 
-  const std::string& name() const { return name_; }
-  Vec3d center() const { return worldFromMesh_ * box_.center(); }
+  Vec3d center() const { return worldFromMesh * box.center(); }
   // Returns the distance (m) from a point in the world frame to the bounding box; 0 inside of the box. The result is
   // exact if the mesh's axes are perpendicular in the world frame too.
   double distance(const Vec3d& worldPoint) const;
-
- private:
-  std::string name_;
-  Affine worldFromMesh_, meshFromWorld_;
-  Box box_;
 };
 
 struct RepeatabilityOptions {

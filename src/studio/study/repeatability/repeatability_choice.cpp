@@ -92,26 +92,19 @@ RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
   return choice;
 }
 
-ScanLayout repeatabilityLayout() {
-  return {ColumnSet(kColumn), false};
-}
-
 Channels repeatabilityChannels(const Pipeline& pipeline) {
   Channels channels = Channel::Range;
   for (const NoiseLevel& level : readRepeatabilityChoice(pipeline).levels) {
-    for (const auto& effects : level.effects) channels |= channelsFor(*effects, repeatabilityLayout().columns);
+    for (const auto& effects : level.effects) channels |= channelsFor(*effects, kRepeatabilityLayout.columns);
   }
   return channels;
 }
 
-BoxedObject::BoxedObject(std::string name, const Affine& worldFromMesh, const Box& box)
-    : name_(std::move(name)), worldFromMesh_(worldFromMesh), meshFromWorld_(inverse(worldFromMesh)), box_(box) {}
-
 double BoxedObject::distance(const Vec3d& worldPoint) const {
-  const Vec3d p = meshFromWorld_ * worldPoint;
-  const Vec3d nearestInBox{std::clamp(p.x, box_.low.x, box_.high.x), std::clamp(p.y, box_.low.y, box_.high.y),
-                           std::clamp(p.z, box_.low.z, box_.high.z)};
-  return length(worldFromMesh_.linear * (p - nearestInBox));
+  const Vec3d p = meshFromWorld * worldPoint;
+  const Vec3d nearestInBox{std::clamp(p.x, box.low.x, box.high.x), std::clamp(p.y, box.low.y, box.high.y),
+                           std::clamp(p.z, box.low.z, box.high.z)};
+  return length(worldFromMesh.linear * (p - nearestInBox));
 }
 
 }  // namespace scanmill

@@ -215,7 +215,7 @@ TEST_F(RepeatedScans, AStopEndsItWithAnError) {
 TEST(BoxedObject, DistanceIsToTheNearestSideEdgeOrCorner) {
   // A box of 2 x 4 x 6 m, turned by 90 degrees about z, twice as high, at (10, 0, 0).
   const Affine place{toMatrix(fromYawPitchRoll(kPi / 2, 0, 0)) * Mat3::scale({1, 1, 2}), {10, 0, 0}};
-  const BoxedObject thing("box", place, {{-1, -2, -3}, {1, 2, 3}});
+  const BoxedObject thing{"box", place, inverse(place), {{-1, -2, -3}, {1, 2, 3}}};
   EXPECT_NEAR(thing.distance({10, 0, 0}), 0, 1e-12);
   EXPECT_NEAR(thing.distance({7, 0, 0}), 1, 1e-12);
   EXPECT_NEAR(thing.distance({10, 3, 0}), 2, 1e-12);
