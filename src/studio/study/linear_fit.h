@@ -20,7 +20,7 @@ struct LinearFit {
 
   // Returns the degrees of freedom: the number of values minus the rank. squares / freedom() is an unbiased estimate of
   // the values' variance.
-  std::size_t freedom() const { return residuals.size() - rank; }
+  double freedom() const { return static_cast<double>(residuals.size() - rank); }
 };
 
 // Fits a linear model by least squares. `design`: row by row; each row has `columns` entries and belongs to one value.

@@ -13,7 +13,7 @@ TEST(FitLinear, LeavesOutWhatDependsOnOthers) {
   }
   const LinearFit fit = fitLinear(design, 3, values);
   EXPECT_EQ(fit.rank, 2u);
-  EXPECT_EQ(fit.freedom(), 4u);
+  EXPECT_EQ(fit.freedom(), 4);
   EXPECT_EQ(fit.coefficients[2], 0);
   // By hand: slope = sum (x - 2.5)(y - mean) / 17.5 = 2 - 1.5 / 17.5.
   EXPECT_NEAR(fit.coefficients[1], 2 - 1.5 / 17.5, 1e-12);

@@ -197,7 +197,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   fit.base = line.coefficients[0];
   fit.growth = line.coefficients[1];
   fit.chiSquare = line.squares;
-  fit.freedom = static_cast<double>(line.freedom());
+  fit.freedom = line.freedom();
   for (const PatchGroup* band : used) {
     const double modelled = fit.base + fit.growth * band->range;
     if (band->sigma > 0) fit.largestMisfit = std::max(fit.largestMisfit, std::abs(modelled / band->sigma - 1));
@@ -323,18 +323,15 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   }
   fitLine(fit, used);
   FlatPatches usedPatches;
-  std::vector<FlatPatch> ringPatches;  // copies of usedPatches, for fitRingErrors()
   for (const FlatPatch* p : steep) {
     // The mean range of a band lies in the band and thus identifies it.
     const bool isUsed = std::ranges::any_of(
         used, [&](const PatchGroup* band) { return rangeBandOf(band->range) == rangeBandOf(p->range); });
-    if (!isUsed) continue;
-    usedPatches.push_back(p);
-    ringPatches.push_back(*p);
+    if (isUsed) usedPatches.push_back(p);
   }
   constexpr std::uint32_t kDropOutStream = 1000;  // above the stream numbers of the bands, see measureBands()
   fit.dropOut = dropOutOf(usedPatches, kDropOutStream);
-  fit.rings = fitRingErrors(beams, scans, ringPatches);
+  fit.rings = fitRingErrors(beams, scans, usedPatches);
   return fit;
 }
 

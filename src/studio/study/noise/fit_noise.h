@@ -35,7 +35,7 @@ struct RingErrors {
 // slope over the rings, plus a gain per ring. If offsets are much larger than the noise, they are underestimated: only
 // patches with small offsets then count as flat.
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
-                         const std::vector<FlatPatch>& patches);
+                         const std::vector<const FlatPatch*>& patches);
 
 // Least RingSpread::agreement for which errors are attributed to the sensor.
 constexpr double kOwnErrors = 0.5;

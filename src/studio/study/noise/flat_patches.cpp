@@ -103,7 +103,7 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
     // After the last step, `fit` only measures the range differences that remain.
     if (step < kSteps) plane += Vec3d{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]};
   }
-  return PlaneFit{plane, {fit.squares, static_cast<double>(fit.freedom())}};
+  return PlaneFit{plane, {fit.squares, fit.freedom()}};
 }
 
 // Fits the differences between the ranges and the plane by a model: an offset and a slope for each ring, where the
@@ -152,10 +152,7 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
   }
 }
 
-// Returns the number of groups of windows. Windows of similar range and incidence form a group and are compared.
-std::size_t groups() {
-  return 2 * rangeBandEdges().size();
-}
+// Returns the index of a group. Windows of similar range and incidence form a group and are compared.
 std::size_t groupIn(std::size_t rangeBand, bool grazing) {
   return 2 * rangeBand + (grazing ? 1 : 0);
 }
@@ -168,17 +165,17 @@ std::size_t groupOf(const FlatPatch& patch) {
 // does not decrease with range, and grows at most with the squared range, as the returned power decreases. Bounds that
 // are too tight reduce the number of patches, but cause no bias: the choice does not depend on the measured halves.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
-  const std::size_t bands = rangeBandEdges().size();
+  const std::size_t bands = rangeBandEdges().size(), groups = 2 * bands;
   // By group, the noise variance that each window implies if the window's variance is the group's 10 % quantile, since
   // this quantile is chosen below. A group with fewer than kTelling windows does not bound other groups.
-  std::vector<std::vector<double>> impliedVariances(groups());
-  std::vector<std::vector<double>> ranges(groups());
+  std::vector<std::vector<double>> impliedVariances(groups);
+  std::vector<std::vector<double>> ranges(groups);
   for (const FlatPatch& p : candidates) {
     const std::size_t group = groupOf(p);
     impliedVariances[group].push_back(p.testedLines.variance() / chiSquareQuantile(p.testedLines.freedom, kTenth));
     ranges[group].push_back(p.range);
   }
-  std::vector<double> usual(groups(), 0.0);
+  std::vector<double> usual(groups, 0.0);
   for (const bool grazing : {false, true}) {
     // Noise does not decrease with range: from far to near, a band gets at most the deviation of farther bands.
     double fartherDeviation = INFINITY;
@@ -243,8 +240,8 @@ void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& mea
   if (measured.size() < kFewestMeasured) return;
   const LinearFit lines = fitLines(beams, measured, patch.plane);
   const std::optional<PlaneFit> plane = fitPlane(beams, measured);
-  if (static_cast<double>(lines.freedom()) < kFewestFreedom || !plane) return;
-  patch.measuredLines = {lines.squares, static_cast<double>(lines.freedom())};
+  if (lines.freedom() < kFewestFreedom || !plane) return;
+  patch.measuredLines = {lines.squares, lines.freedom()};
   patch.measuredPlane = plane->fit;
   const auto points = std::ranges::count_if(lines.leverages, [](double leverage) { return 1 - leverage > kLeastFree; });
   patch.points = static_cast<std::uint32_t>(points);
@@ -275,7 +272,7 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   const std::uint32_t middle = (*cells)[kCells / 2].beam;
   patch.incidence = dot(plane->plane, beams.direction[middle]) * distance;
   const LinearFit lines = fitLines(beams, tested, plane->plane);
-  patch.testedLines = {lines.squares, static_cast<double>(lines.freedom())};
+  patch.testedLines = {lines.squares, lines.freedom()};
   if (patch.testedLines.freedom < 1) return {};
   addMeasuredHalf(beams, returnsOfHalf(*cells, false), patch);
   countHoles(beams, *cells, patch.testedPlaneDeviation, patch);

@@ -110,15 +110,6 @@ class Distribution {
     const double fraction = (share - share_[k - 1]) / (share_[k] - share_[k - 1]);
     return values_[k - 1].value + fraction * (values_[k].value - values_[k - 1].value);
   }
-  // Returns the fraction of the total weight that belongs to values of 0.
-  double zeroShare() const {
-    double zeros = 0, sum = 0;
-    for (const Weighted& v : values_) {
-      sum += v.weight;
-      if (v.value <= 0) zeros += v.weight;
-    }
-    return zeros / sum;
-  }
 
  private:
   std::vector<Weighted> values_;
@@ -342,12 +333,13 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
     const double returnWeight = static_cast<double>(ofRecorded.size()) / static_cast<double>(ofSimulated.size());
     for (const SurfaceReturn& s : ofSimulated) values.push_back({valueOf(s, fit.floor, fit.model), returnWeight});
   }
+  const auto darkCells = std::ranges::count_if(cellIntensities, [](const Weighted& v) { return v.value <= 0; });
+  const double darkShare = static_cast<double>(darkCells) / static_cast<double>(cellIntensities.size());
   const Distribution recordedCells(std::move(cellIntensities)), simulatedCells(std::move(cellValues));
   const Distribution recordedReturns(std::move(intensities)), simulatedReturns(std::move(values));
   addRow(fit.table, dark, 0);
   for (const double share : {0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99}) {
-    if (share > recordedCells.zeroShare())
-      addRow(fit.table, simulatedCells.quantile(share), recordedCells.quantile(share));
+    if (share > darkShare) addRow(fit.table, simulatedCells.quantile(share), recordedCells.quantile(share));
   }
   // The brightest returns come from small objects, such as signs and plates, which do not fill a cell.
   constexpr double kBrightest = 0.9997;  // quantile of the returns that is too high to be reached by noise alone

@@ -75,7 +75,9 @@ PatchValues valuesOf(const BeamTable& beams, const BeamImage& image, const Recor
 }
 
 // Adds the values of a patch to the normal equations, without the part that the patch's own plane or line explains.
-// `terms`: number of entries of RingValue::design that are used.
+// With the ring indicators E (1 in the column of the row's ring), the values v and the projection P onto what the
+// patch's own fit leaves: A += E^T P E and b += E^T P v, since P is symmetric and idempotent. `terms`: number of
+// entries of RingValue::design that are used.
 void addTo(RingSystem& system, const std::vector<RingValue>& values, Eigen::Index terms) {
   const auto rows = static_cast<Eigen::Index>(values.size());
   Eigen::MatrixXd columns(rows, terms);
@@ -88,7 +90,7 @@ void addTo(RingSystem& system, const std::vector<RingValue>& values, Eigen::Inde
   std::ranges::sort(rings);
   rings.erase(std::unique(rings.begin(), rings.end()), rings.end());
   const auto ringCount = static_cast<Eigen::Index>(rings.size());
-  Eigen::MatrixXd residuals(rows, ringCount + 1);  // one indicator column per ring, then the values
+  Eigen::MatrixXd residuals(rows, ringCount + 1);  // E, then v; after the fit P E, then P v
   for (Eigen::Index i = 0; i < rows; ++i) {
     const RingValue& v = values[static_cast<std::size_t>(i)];
     residuals(i, ringCount) = v.value;
@@ -136,14 +138,14 @@ RingSpread ringSpreadOf(const std::array<RingSystem, 2>& halves) {
 }  // namespace
 
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
-                         const std::vector<FlatPatch>& patches) {
+                         const std::vector<const FlatPatch*>& patches) {
   const BeamImage image(beams);
   const RingSystem empty(beams.rings);
   // Equations of the ranges and of the gains: one system each for the even and for the odd patches.
   std::array<RingSystem, 2> ranges{empty, empty}, gains{empty, empty};
   bool hasIntensities = false;
   for (std::size_t p = 0; p < patches.size(); ++p) {
-    const PatchValues values = valuesOf(beams, image, scans[patches[p].window.scan], patches[p]);
+    const PatchValues values = valuesOf(beams, image, scans[patches[p]->window.scan], *patches[p]);
     if (values.ranges.size() >= kFewestBeams) addTo(ranges[p % 2], values.ranges, 3);  // a plane
     if (values.logIntensities.size() < kFewestBeams) continue;
     hasIntensities = true;

@@ -63,7 +63,10 @@ TEST(RingErrors, AreThoseOfEachRing) {
   const auto scans =
       wallScans(beams, kWallDistances, "[ring_bias: {range_m: [" + offsets + "]}, range_noise: {sigma_m: 0.008}]");
   const std::vector<RecordedScan> recorded = recordedOf(scans, *beams);
-  const RingErrors errors = fitRingErrors(*beams, recorded, findFlatPatches(*beams, recorded));
+  const std::vector<FlatPatch> flat = findFlatPatches(*beams, recorded);
+  std::vector<const FlatPatch*> patches;
+  for (const FlatPatch& p : flat) patches.push_back(&p);
+  const RingErrors errors = fitRingErrors(*beams, recorded, patches);
   double both = 0, truth = 0, found = 0;
   for (std::uint32_t ring = 20; ring + 2 < beams->rings; ++ring) {
     const double a = drawn[ring - 1] - 2 * drawn[ring] + drawn[ring + 1];
