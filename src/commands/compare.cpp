@@ -51,7 +51,7 @@ void printComparison(const SetComparison& comparison) {
   rows = {{"to try", "now", "try", "for"}};
   for (const KeyChange& a : comparison.advice) {
     rows.push_back({fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.currentValue), nextText(a),
-                    std::string(a.figure)});
+                    std::string(a.figure.title)});
   }
   printText("{}to change all at once, add to the options that made the set: --set '{}'\n\n", formatTable(rows),
             comparison.assignment);

@@ -106,8 +106,10 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   page.erase("figures");
   for (std::size_t i = 0; i < comparison.advice.size(); ++i) {
     const KeyChange& change = comparison.advice[i];
-    page["advice"][i].update(
-        {{"real", change.real}, {"simulated", change.simulated}, {"unit", change.unit}, {"end", endText(change)}});
+    page["advice"][i].update({{"real", change.figure.real},
+                              {"simulated", change.figure.simulated},
+                              {"unit", change.figure.unit},
+                              {"end", endText(change)}});
   }
   for (Json& group : page["groups"]) {
     addWords(group["features"], "feature", kPatchFeatures);

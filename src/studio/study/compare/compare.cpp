@@ -300,7 +300,7 @@ OrderedJson separationJson(const Separation& s) {
 OrderedJson changeJson(const KeyChange& change) {
   return {{"effect", change.effect},
           {"key", change.key},
-          {"figure", change.figure},
+          {"figure", change.figure.title},
           {"now", change.currentValue},
           {"try", change.suggestedValue}};
 }

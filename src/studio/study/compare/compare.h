@@ -120,12 +120,18 @@ struct BandComparison {
   double real = 0, simulated = 0;  // NaN if there are too few patches
 };
 
+// A figure of both sets, as shown to users.
+struct FigurePair {
+  double real = 0, simulated = 0;
+  std::string_view title, unit;
+
+  double ratio() const { return real / simulated; }
+};
+
 // A key of the simulated pipeline and a better value for it.
 struct KeyChange {
-  std::string_view effect, key;    // an effect of the pipeline, and a key of this effect
-  std::string_view figure;         // title of the figure in kPatchFeatures or kSetFigures that suggests the change
-  double real = 0, simulated = 0;  // the figure's values, as shown to users
-  std::string_view unit;           // unit of the figure
+  std::string_view effect, key;  // an effect of the pipeline, and a key of this effect
+  FigurePair figure;             // the figure in kPatchFeatures or kSetFigures that suggests the change
   double currentValue = 0;
   double suggestedValue = 0;  // value of the key with which the figures would be equal if nothing else influenced them
   bool isEnd = false;         // true: `suggestedValue` ends the key's allowed range, and the figures would still differ

@@ -51,14 +51,6 @@ std::optional<double> positiveNumber(const Value& options, std::string_view key)
   return isNumber && number > 0 ? std::optional(number) : std::nullopt;
 }
 
-// A figure of both sets, as shown to users.
-struct FigurePair {
-  double real = 0, simulated = 0;
-  std::string_view title, unit;
-
-  double ratio() const { return real / simulated; }
-};
-
 FigurePair shownPair(const ComparedFigure& figure, double real, double simulated) {
   return {real * figure.factor, simulated * figure.factor, figure.title, figure.unit};
 }
@@ -106,10 +98,7 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
     if (suggested == *current) continue;
     advice.push_back({.effect = influence.effect,
                       .key = influence.key,
-                      .figure = figure->title,
-                      .real = figure->real,
-                      .simulated = figure->simulated,
-                      .unit = figure->unit,
+                      .figure = *figure,
                       .currentValue = *current,
                       .suggestedValue = suggested,
                       .isEnd = allowed != exact});

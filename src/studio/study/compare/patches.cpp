@@ -48,39 +48,36 @@ Plane planeOf(std::span<const Vec3d> points) {
 }
 
 // Measures patches one after the other. addPatch() first stores the patch's pixel, range and window in members, and
-// appends NaN to the lists in `out`. The functions that measure features then replace the last entry of their list.
+// appends NaN to the lists in `out_`. The functions that measure features then replace the last entry of their list.
 class PatchMeter {
  public:
-  PatchMeter(const Scan& scan, const RangeGrid& grid) : scan_(scan), grid_(grid) {}
+  PatchMeter(const Scan& scan, const RangeGrid& grid, Patches& out) : scan_(scan), grid_(grid), out_(out) {}
 
-  // Appends the patch around a pixel with a return. `scanIndex`: index of the scan in its set.
-  void addPatch(std::uint32_t row, std::uint32_t column, std::uint32_t scanIndex, Patches& out) {
-    row_ = row;
-    column_ = column;
+  // Appends the patch around a pixel with a return.
+  void addPatch(std::uint32_t row, std::uint32_t column) {
     pixel_ = grid_.at(row, column);
     range_ = grid_.range[pixel_];
     const Vec3d middle(scan_.position[grid_.point[pixel_]]);
-    for (std::vector<float>& values : out.value) values.push_back(kNotMeasured);
-    out.ringGain.push_back(kNotMeasured);
-    out.ringOffset.push_back(kNotMeasured);
-    out.range.push_back(static_cast<float>(range_));
-    out.row.push_back(static_cast<std::uint16_t>(row));
+    for (std::vector<float>& values : out_.value) values.push_back(kNotMeasured);
+    out_.ringGain.push_back(kNotMeasured);
+    out_.ringOffset.push_back(kNotMeasured);
+    out_.range.push_back(static_cast<float>(range_));
+    out_.row.push_back(static_cast<std::uint16_t>(row));
     const auto& labels = scan_[kLabel];
-    out.label.push_back(labels.empty() ? std::uint16_t{0} : labels[grid_.point[pixel_]]);
-    out.scan.push_back(scanIndex);
-    gatherWindow();
-    addShape(middle, out);
-    addJumps(out);
-    addMixed(out);
-    addRangeScatter(out);
-    addRingOffset(middle, out);
-    if (!scan_[kIntensity].empty()) addIntensity(out);
-    if (grid_.knowsMisses) addMisses(out);
-    set(Feature::Returns, grid_.returns[pixel_], out);
+    out_.label.push_back(labels.empty() ? std::uint16_t{0} : labels[grid_.point[pixel_]]);
+    gatherWindow(row, column);
+    addShape(middle);
+    addJumps();
+    addMixed();
+    addRangeScatter();
+    addRingOffset(middle);
+    if (!scan_[kIntensity].empty()) addIntensity();
+    if (grid_.knowsMisses) addMisses();
+    set(Feature::Returns, grid_.returns[pixel_]);
   }
 
  private:
-  static void set(Feature feature, double value, Patches& out) { out.of(feature).back() = static_cast<float>(value); }
+  void set(Feature feature, double value) const { out_.of(feature).back() = static_cast<float>(value); }
 
   bool hasReturn(std::uint32_t pixel) const {
     return pixel != RangeGrid::kNone && grid_.point[pixel] != RangeGrid::kNone;
@@ -93,13 +90,12 @@ class PatchMeter {
   Vec3d pointAt(std::uint32_t pixel) const { return Vec3d(scan_.position[grid_.point[pixel]]); }
 
   // Stores the pixels of the window around the patch's point, row by row; kNone for pixels beyond the grid's edges.
-  void gatherWindow() {
+  void gatherWindow(std::uint32_t middleRow, std::uint32_t column) {
     for (int dr = -kPatchRowReach; dr <= kPatchRowReach; ++dr) {
       for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
-        const std::int64_t row = std::int64_t{row_} + dr;
-        window_[indexOf(dr, dc)] = row < 0 || row >= grid_.rows
-                                       ? RangeGrid::kNone
-                                       : grid_.beside(static_cast<std::uint32_t>(row), column_, dc);
+        const std::int64_t row = std::int64_t{middleRow} + dr;
+        window_[indexOf(dr, dc)] =
+            row < 0 || row >= grid_.rows ? RangeGrid::kNone : grid_.beside(static_cast<std::uint32_t>(row), column, dc);
       }
     }
   }
@@ -110,27 +106,27 @@ class PatchMeter {
   std::uint32_t pixelAt(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
 
   // Fits a plane to the window's points on the surface; sets the patch's kind, incidence, thicknesses and steepness.
-  void addShape(const Vec3d& middle, Patches& out) {
+  void addShape(const Vec3d& middle) {
     points_.clear();
     for (const std::uint32_t pixel : window_) {
       if (onSurface(pixel)) points_.push_back(pointAt(pixel));
     }
-    out.kind.push_back(PatchKind::Sparse);
-    out.incidence.push_back(kNotMeasured);
+    out_.kind.push_back(PatchKind::Sparse);
+    out_.incidence.push_back(kNotMeasured);
     if (points_.size() < kFewestInPatch) return;
     const Plane plane = planeOf(points_);
     if (!(plane.width > 0)) return;
     const double steepness = degrees(std::acos(std::min(1.0, std::fabs(plane.normal.z))));
-    set(Feature::Thickness, plane.thickness, out);
-    set(Feature::RelativeThickness, plane.thickness / plane.width, out);
-    set(Feature::Steepness, steepness, out);
-    out.incidence.back() =
+    set(Feature::Thickness, plane.thickness);
+    set(Feature::RelativeThickness, plane.thickness / plane.width);
+    set(Feature::Steepness, steepness);
+    out_.incidence.back() =
         static_cast<float>(std::acos(std::min(1.0, std::fabs(dot(plane.normal, middle)) / length(middle))));
     const bool flat = plane.thickness < kPlanar * plane.width;
-    out.kind.back() = !flat                  ? PatchKind::Rough
-                      : steepness < kLevel   ? PatchKind::Level
-                      : steepness > kUpright ? PatchKind::Upright
-                                             : PatchKind::Slanted;
+    out_.kind.back() = !flat                  ? PatchKind::Rough
+                       : steepness < kLevel   ? PatchKind::Level
+                       : steepness > kUpright ? PatchKind::Upright
+                                              : PatchKind::Slanted;
   }
 
   // Returns the range (m) of the beam `dc` columns beside the patch's middle; NaN if the beam has no return.
@@ -146,10 +142,10 @@ class PatchMeter {
     return true;
   }
 
-  void addJumps(Patches& out) const {
+  void addJumps() const {
     // fmax() ignores NaN, so the largest jump is NaN only if both neighbours have no return.
     const double largest = std::fmax(std::fabs(rangeAt(-1) - range_), std::fabs(rangeAt(1) - range_));
-    if (!std::isnan(largest)) set(Feature::Jump, largest / range_, out);
+    if (!std::isnan(largest)) set(Feature::Jump, largest / range_);
     int jumps = 0, steps = 0;
     for (int dc = -kPatchReach; dc < kPatchReach; ++dc) {
       const double step = std::fabs(rangeAt(dc + 1) - rangeAt(dc));
@@ -157,24 +153,24 @@ class PatchMeter {
       ++steps;
       jumps += step > kJump ? 1 : 0;
     }
-    if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
+    if (steps >= kPatchReach) set(Feature::Jumps, jumps);
   }
 
   // Sets Feature::Mixed if the middle's range is between the ranges of its neighbours in the row: the smaller
   // difference from either, as a fraction of the step. Ignores small steps, and sides that are not smooth, such as
   // foliage.
-  void addMixed(Patches& out) const {
+  void addMixed() const {
     const double edge = std::fabs(rangeAt(1) - rangeAt(-1));
     if (!(edge >= kEdge) || !isSmooth(-2, -1) || !isSmooth(1, 2)) return;
     const double nearer = std::fmin(rangeAt(-1), rangeAt(1));
     if (range_ < nearer || range_ > nearer + edge) return;
     const double fromNearer = (range_ - nearer) / edge;
-    set(Feature::Mixed, std::min(fromNearer, 1 - fromNearer), out);
+    set(Feature::Mixed, std::min(fromNearer, 1 - fromNearer));
   }
 
   // Sets Feature::RangeScatter: the ranges' deviation from a parabola fitted over seven columns. The fit uses
   // polynomials orthogonal over the columns k from -3 to 3: 1, k and k^2 - 4. Their sums of squares are 7, 28 and 84.
-  void addRangeScatter(Patches& out) const {
+  void addRangeScatter() const {
     constexpr int kFit = 3;
     if (!isSmooth(-kFit, kFit)) return;
     double mean = 0, slope = 0, curvature = 0;
@@ -189,14 +185,15 @@ class PatchMeter {
       const double residual = rangeAt(k) - range_ - mean - slope * k - curvature * (k * k - 4);
       squares += residual * residual;
     }
-    set(Feature::RangeScatter, std::sqrt(squares / 4), out);  // 4 degrees of freedom: 7 ranges, 3 coefficients
+    set(Feature::RangeScatter, std::sqrt(squares / 4));  // 4 degrees of freedom: 7 ranges, 3 coefficients
   }
 
-  // Measures the distance of the middle ring's points from the plane of the rings above and below, along the plane's
-  // normal; positive if the points are farther from the sensor than the plane.
-  void addRingOffset(const Vec3d& middle, Patches& out) {
+  // Measures the mean distance of the middle ring's points from the plane of the rings above and below. Sets
+  // Feature::RingOffset to the absolute distance along the plane's normal, and Patches::ringOffset to the distance
+  // along the beam, positive if the points are behind the plane.
+  void addRingOffset(const Vec3d& middle) {
     if (!grid_.knowsRings) return;
-    constexpr int kReach = 2;  // columns on each side of the middle whose points are measured
+    constexpr int kMeasuredReach = 2;  // columns on each side of the middle whose points are measured
     constexpr std::size_t kFewestMeasured = 4, kFewestInRing = 5;
     points_.clear();
     for (const int dr : {-1, 1}) {
@@ -210,7 +207,7 @@ class PatchMeter {
     if (!(plane.width > 0) || plane.thickness >= kPlanar * plane.width) return;
     double sum = 0;
     std::size_t count = 0;
-    for (int dc = -kReach; dc <= kReach; ++dc) {
+    for (int dc = -kMeasuredReach; dc <= kMeasuredReach; ++dc) {
       if (!onSurface(pixelAt(0, dc))) continue;
       sum += dot(plane.normal, pointAt(pixelAt(0, dc)) - plane.middle);
       ++count;
@@ -219,8 +216,8 @@ class PatchMeter {
     const double outwards = dot(plane.normal, middle) < 0 ? -1 : 1;
     const double offset = outwards * sum / static_cast<double>(count);
     const double cosine = std::fabs(dot(plane.normal, middle)) / length(middle);  // cosine of the incidence angle
-    if (cosine > kLeastCosine) out.ringOffset.back() = static_cast<float>(offset / cosine);
-    set(Feature::RingOffset, std::fabs(offset), out);
+    if (cosine > kLeastCosine) out_.ringOffset.back() = static_cast<float>(offset / cosine);
+    set(Feature::RingOffset, std::fabs(offset));
   }
 
   // Returns the mean intensity of the returns on the surface, `dr` rows below the patch's middle and at the column
@@ -238,27 +235,27 @@ class PatchMeter {
   }
 
   // Sets the intensity, its scatter relative to four neighbours in the ring, and its gain relative to adjacent rings.
-  void addIntensity(Patches& out) const {
+  void addIntensity() const {
     const double intensity = static_cast<double>(scan_[kIntensity][grid_.point[pixel_]]);
-    set(Feature::Intensity, intensity, out);
+    set(Feature::Intensity, intensity);
     if (const auto beside = meanIntensity(0, {-2, -1, 1, 2})) {
-      set(Feature::IntensityScatter, std::fabs(intensity / *beside - 1), out);
+      set(Feature::IntensityScatter, std::fabs(intensity / *beside - 1));
     }
     if (!grid_.knowsRings) return;
     const auto columns = {-2, -1, 0, 1, 2};
     const auto middle = meanIntensity(0, columns);
     const auto above = meanIntensity(-1, columns), below = meanIntensity(1, columns);
     if (!middle || !above || !below) return;
-    out.ringGain.back() = static_cast<float>(std::log(*middle / (0.5 * (*above + *below))));
-    set(Feature::RingGain, std::fabs(static_cast<double>(out.ringGain.back())), out);
+    out_.ringGain.back() = static_cast<float>(std::log(*middle / (0.5 * (*above + *below))));
+    set(Feature::RingGain, std::fabs(static_cast<double>(out_.ringGain.back())));
   }
 
   // Sets the fraction of the window's beams without a return, and the fraction of the middle row's beams that have no
   // return although both neighbours have returns at about the same range.
-  void addMisses(Patches& out) const {
+  void addMisses() const {
     const auto beams = std::ranges::count_if(window_, [](std::uint32_t pixel) { return pixel != RangeGrid::kNone; });
     const auto returns = std::ranges::count_if(window_, [&](std::uint32_t pixel) { return hasReturn(pixel); });
-    set(Feature::Missing, static_cast<double>(beams - returns) / static_cast<double>(beams), out);
+    set(Feature::Missing, static_cast<double>(beams - returns) / static_cast<double>(beams));
     int single = 0;
     constexpr int kAround = kPatchReach - 1;
     for (int dc = -kAround; dc <= kAround; ++dc) {
@@ -269,7 +266,7 @@ class PatchMeter {
                     ? 1
                     : 0;
     }
-    set(Feature::SingleMissing, single / (2.0 * kAround + 1), out);
+    set(Feature::SingleMissing, single / (2.0 * kAround + 1));
   }
 
   static constexpr int kWide = 2 * kPatchReach + 1;
@@ -277,8 +274,8 @@ class PatchMeter {
 
   const Scan& scan_;
   const RangeGrid& grid_;
-  // The patch that addPatch() appends: position in the grid and range (m) of the middle, and pixels around the middle.
-  std::uint32_t row_ = 0, column_ = 0;
+  Patches& out_;
+  // The patch that addPatch() appends: pixel and range (m) of the middle, and pixels around the middle.
   std::size_t pixel_ = 0;
   double range_ = 0;
   std::array<std::uint32_t, kWindow> window_{};  // see gatherWindow()
@@ -306,12 +303,12 @@ Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanInd
     if (grid.point[i] != RangeGrid::kNone) pixels.push_back(i);
   }
   Patches patches;
-  PatchMeter meter(scan, grid);
+  PatchMeter meter(scan, grid, patches);
   const std::size_t count = std::min(mostPatches, pixels.size());
+  patches.scan.assign(count, scanIndex);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t pixel = pixels[k * pixels.size() / count];
-    meter.addPatch(static_cast<std::uint32_t>(pixel / grid.columns), static_cast<std::uint32_t>(pixel % grid.columns),
-                   scanIndex, patches);
+    meter.addPatch(static_cast<std::uint32_t>(pixel / grid.columns), static_cast<std::uint32_t>(pixel % grid.columns));
   }
   return patches;
 }

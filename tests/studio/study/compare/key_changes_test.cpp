@@ -46,8 +46,7 @@ TEST(CompareAdvice, IsNoneWhereNoNumberScalesIt) {
 }
 
 TEST(CompareAdvice, IsAnOptionForThePipelinesOwnList) {
-  const std::vector<KeyChange> advice{{"ring_bias", "gain_sigma", "", 1, 2, "", 0.3, 0.15},
-                                      {"relief", "strength", "", 1, 2, "", 1, 0.5}};
+  const std::vector<KeyChange> advice{{"ring_bias", "gain_sigma", {}, 0.3, 0.15}, {"relief", "strength", {}, 1, 0.5}};
   EXPECT_EQ(assignmentOf(advice, items("[sensor, relief, light_paths]")),
             "effects=[sensor, {relief: {strength: 0.5}}, light_paths, {ring_bias: {gain_sigma: 0.15}}]");
   EXPECT_EQ(assignmentOf(advice, items("[ring_bias: {range_sigma_m: 0.1, gain_sigma: 0.3}, relief: {strength: 1}]")),
