@@ -89,9 +89,7 @@ class Examination {
     Progress progress("scans read", countedScans.size(), "scans", "points", options_.quiet);
     ScanReading reading;
     reading.stop = options_.stop;
-    reading.advance = [&](std::uint64_t scans, std::uint64_t points) {
-      progress.advance(scans, static_cast<double>(points));
-    };
+    reading.advance = [&](std::uint64_t points) { progress.advance(1, static_cast<double>(points)); };
     reading.take = [&](std::size_t k, Scan&& scan) {
       mistakes[k] = checkScan(scan, recordOf(countedScans[k]), report_.manifest, largestError());
       counts[k] = countScan(scan, steps);
@@ -136,8 +134,7 @@ class Examination {
 
   // Draws pictures of the scans, sorted by key. Skips scans that cannot be read, without reporting them.
   void picture(std::vector<ScanIndex> shown) {
-    const auto keyOf = [&](const ScanIndex& index) { return report_.manifest.samples[index.sample].key; };
-    std::ranges::stable_sort(shown, [&](const ScanIndex& a, const ScanIndex& b) { return keyOf(a) < keyOf(b); });
+    std::ranges::stable_sort(shown, {}, [&](const ScanIndex& i) { return report_.manifest.samples[i.sample].key; });
     std::vector<std::optional<Scan>> scans(shown.size());
     ScanReading reading;
     reading.stop = options_.stop;

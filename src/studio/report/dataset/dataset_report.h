@@ -66,7 +66,7 @@ struct SplitSummary {
 struct MixedInstance {
   std::string sample;  // key of a sample that shows the class with the fewest points
   std::uint32_t id = 0;
-  std::map<std::uint16_t, std::uint64_t> pointsOfClass;
+  ClassPoints pointsOfClass;
 };
 
 struct DatasetSummary {

@@ -13,8 +13,6 @@ namespace scanmill {
 
 namespace {
 
-using ClassPoints = std::map<std::uint16_t, std::uint64_t>;
-
 // Returns the entry with this name; appends an entry with this name if the list has none.
 auto& entryNamed(auto& list, const std::string& name) {
   const auto found = std::ranges::find_if(list, [&](const auto& e) { return e.name == name; });
@@ -38,7 +36,6 @@ std::string sequenceOf(const SampleRecord& sample) {
   return sequence.empty() ? sample.key : sequence;
 }
 
-// Computes a summary: addManifest() first, then addCounts(), then result().
 class SummaryMaker {
  public:
   SummaryMaker(const Manifest& manifest, const RangeSteps& steps) : manifest_(manifest) {
@@ -46,6 +43,16 @@ class SummaryMaker {
     for (const SemanticClass& c : manifest.ontology.classes) addClass(c.id, c.name, c.thing, true);
     for (const SensorRecord& s : manifest.sensors) entryNamed(sum_.sensors, s.name).ranges.assign(steps.count, 0);
   }
+
+  // See summarise().
+  DatasetSummary make(const std::vector<ScanIndex>& places, const std::vector<std::optional<ScanCounts>>& counts) {
+    addManifest();
+    addCounts(places, counts);
+    return std::move(sum_);
+  }
+
+ private:
+  using ObjectKey = std::pair<std::string, std::uint32_t>;  // name of the sequence, instance id
 
   // Adds the figures that the manifest has for all scans.
   void addManifest() {
@@ -86,7 +93,7 @@ class SummaryMaker {
     findScansOfFewPoints();
   }
 
-  // Adds the figures of the scans that were read; see summarise().
+  // Adds the figures of the scans that were read.
   void addCounts(const std::vector<ScanIndex>& places, const std::vector<std::optional<ScanCounts>>& counts) {
     sum_.scansChosen = places.size();
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -98,11 +105,6 @@ class SummaryMaker {
     }
     findMixedInstances();
   }
-
-  DatasetSummary result() { return std::move(sum_); }
-
- private:
-  using ObjectKey = std::pair<std::string, std::uint32_t>;  // name of the sequence, instance id
 
   void addClass(std::uint16_t id, const std::string& name, bool thing, bool known) {
     classAt_[id] = sum_.classes.size();
@@ -183,9 +185,9 @@ class SummaryMaker {
     if (!sum_.labelled) return;
     for (const auto& [id, points] : counts.withoutId) classEntry(id).pointsWithoutId += points;
     const std::string sequence = sequenceOf(sample);
-    for (const InstanceCounts& instance : counts.instances) {
-      const ObjectKey key{sequence, instance.id};
-      for (const auto& [id, points] : instance.pointsOfClass) {
+    for (const auto& [instance, pointsOfClass] : counts.instances) {
+      const ObjectKey key{sequence, instance};
+      for (const auto& [id, points] : pointsOfClass) {
         ++classEntry(id).views;
         viewPoints_[id].push_back(points);
         objects_[key][id] += points;
@@ -244,10 +246,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
 
 DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanIndex>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps) {
-  SummaryMaker summing(manifest, steps);
-  summing.addManifest();
-  summing.addCounts(places, counts);
-  return summing.result();
+  return SummaryMaker(manifest, steps).make(places, counts);
 }
 
 }  // namespace scanmill

@@ -59,17 +59,11 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
   for (std::size_t key = 0; key < intensities.size(); ++key) {
     if (intensities[key] > 0) counts.intensities.emplace(static_cast<std::uint16_t>(key), intensities[key]);
   }
-  std::map<std::uint32_t, InstanceCounts> instances;
   for (const auto& [pair, points] : pointsOfPair) {
     const auto id = static_cast<std::uint32_t>(pair >> 16);
     const auto label = static_cast<std::uint16_t>(pair & 0xFFFF);
-    if (id == 0) {
-      counts.withoutId[label] = points;
-    } else {
-      instances.try_emplace(id, InstanceCounts{.id = id}).first->second.pointsOfClass[label] = points;
-    }
+    (id == 0 ? counts.withoutId : counts.instances[id])[label] = points;
   }
-  for (auto& [id, instance] : instances) counts.instances.push_back(std::move(instance));
   return counts;
 }
 

@@ -96,7 +96,7 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
       }
     });
     if (reading.advance) {
-      for (const std::uint64_t n : points) reading.advance(1, n);
+      for (const std::uint64_t n : points) reading.advance(n);
     }
   }
   std::erase(problems, "");

@@ -50,8 +50,8 @@ std::string readingFault(const ScanStore& store, std::size_t sample, const Input
 struct ScanReading {
   // Receives the scan of places[k] of readScans(). Called from several threads at a time, at most once for each index.
   std::function<void(std::size_t k, Scan&& scan)> take;
-  // Called repeatedly with the numbers of scans and points that were read since the previous call; may be empty.
-  std::function<void(std::uint64_t scans, std::uint64_t points)> advance;
+  // Called for each scan, with its number of points; may be empty.
+  std::function<void(std::uint64_t points)> advance;
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, readScans() throws Error; may be null
 };
 
@@ -81,18 +81,15 @@ RangeSteps rangeStepsFor(double farthest);
 std::uint16_t intensityKey(float intensity);
 float intensityOfKey(std::uint16_t key);  // returns the smallest intensity with this key
 
-struct InstanceCounts {
-  std::uint32_t id = 0;
-  std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
-};
+using ClassPoints = std::map<std::uint16_t, std::uint64_t>;  // number of points by class
 
 struct ScanCounts {
   std::uint64_t points = 0;  // number of finite points
   // Points per bin of range for each class; without labels, all points have the class 0.
   std::map<std::uint16_t, std::vector<std::uint64_t>> rangesOfClass;
   std::map<std::uint16_t, std::uint64_t> intensities;  // number of points by intensityKey()
-  std::vector<InstanceCounts> instances;               // sorted by id; without the id 0
-  std::map<std::uint16_t, std::uint64_t> withoutId;    // number of points without an instance id, by class
+  std::map<std::uint32_t, ClassPoints> instances;      // the points of each instance id but 0
+  ClassPoints withoutId;                               // the points without an instance id
 };
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps);

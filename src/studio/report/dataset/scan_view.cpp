@@ -22,23 +22,20 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Encodes numbers as base64 of their little-endian bytes, whatever the machine's byte order.
-template <class Number>
-OrderedJson column(const std::vector<std::uint32_t>& numbers) {
+// Encodes numbers of `size` bytes as base64 of their little-endian bytes, whatever the machine's byte order.
+OrderedJson column(const std::vector<std::uint32_t>& numbers, std::size_t size) {
   std::string bytes;
-  bytes.reserve(numbers.size() * sizeof(Number));
+  bytes.reserve(numbers.size() * size);
   for (const std::uint32_t n : numbers) {
-    for (std::size_t b = 0; b < sizeof(Number); ++b) bytes += static_cast<char>(n >> (8 * b) & 0xFF);
+    for (std::size_t b = 0; b < size; ++b) bytes += static_cast<char>(n >> (8 * b) & 0xFF);
   }
-  return {{"type", fmt::format("u{}", 8 * sizeof(Number))}, {"data", base64(bytes)}};
+  return {{"type", fmt::format("u{}", 8 * size)}, {"data", base64(bytes)}};
 }
 
 // Encodes numbers in the smallest of the types u8, u16 and u32 that can represent all of them.
 OrderedJson narrowColumn(const std::vector<std::uint32_t>& numbers) {
   const std::uint32_t most = numbers.empty() ? 0 : *std::ranges::max_element(numbers);
-  return most < 1u << 8    ? column<std::uint8_t>(numbers)
-         : most < 1u << 16 ? column<std::uint16_t>(numbers)
-                           : column<std::uint32_t>(numbers);
+  return column(numbers, most < 1u << 8 ? 1 : most < 1u << 16 ? 2 : 4);
 }
 
 // Builds the JSON of one scan, as scan_view.h describes it.
@@ -83,7 +80,7 @@ class ViewData {
                      {quantised(p.x, low.x, step.x), quantised(p.y, low.y, step.y), quantised(p.z, low.z, step.z)});
     }
     json_["box"] = {{"low", {low.x, low.y, low.z}}, {"step", {step.x, step.y, step.z}}};
-    json_["position"] = column<std::uint16_t>(numbers);
+    json_["position"] = column(numbers, 2);
   }
 
   // Returns, for each shown point, the index of its value among the keys of `entries`. All shown values must be keys.

@@ -55,8 +55,7 @@ TEST(ScanCounts, CountsWhatIsThere) {
   EXPECT_EQ(counts.intensities.at(intensityKey(10)), 10u);
   EXPECT_EQ(counts.intensities.at(intensityKey(255)), 7u);
   ASSERT_EQ(counts.instances.size(), 1u);
-  EXPECT_EQ(counts.instances[0].id, 9u);
-  EXPECT_EQ(counts.instances[0].pointsOfClass, (std::map<std::uint16_t, std::uint64_t>{{7, 1}, {65535, 4}}));
+  EXPECT_EQ(counts.instances.at(9), (ClassPoints{{7, 1}, {65535, 4}}));
   EXPECT_EQ(counts.withoutId, (std::map<std::uint16_t, std::uint64_t>{{7, 10}, {65535, 2}}));
 }
 
