@@ -33,13 +33,12 @@ void printSettings(const Study& study) {
       continue;
     }
     const Cost& cost = s.measured.cost;
-    const GroupErrors& e = s.measured.errors.all;                            // errors of all beams
-    const GroupErrors* const awayErrors = awayFromEdges(s.measured.errors);  // null: no beam is away from edges
+    const GroupErrors& e = s.measured.errors.all;  // errors of all beams
+    const GroupErrors* const awayErrors = errorsNamed(s.measured.errors.byEdge, kAwayFromEdges);
     const auto beams = static_cast<double>(e.beams);
     rows.push_back({s.setting.name, secondsText(cost.setupSeconds), secondsText(cost.scanSeconds),
-                    shortNumber(cost.beamsPerSecond(study.beamsPerShot)), shortBytes(cost.memoryBytes),
-                    metresText(e.range.median), metresText(e.range.p99),
-                    awayErrors == nullptr ? "" : metresText(awayErrors->range.p99),
+                    shortNumber(beamsPerSecond(study, s)), shortBytes(cost.memoryBytes), metresText(e.range.median),
+                    metresText(e.range.p99), awayErrors == nullptr ? "" : metresText(awayErrors->range.p99),
                     fmt::format("{:.3f} %", 100 * e.labels()),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falseNegatives) / beams),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falsePositives) / beams),

@@ -70,8 +70,10 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
   return account;
 }
 
-// Sets the times per scan in `cost`. `secondsOfSensor`: durations (s) of all scans, by sensor.
-void addTimes(const std::map<std::uint32_t, std::vector<double>>& secondsOfSensor, Cost& cost) {
+// Sets the times per scan in `cost`. `secondsOfSensor`: durations (s) of all timed scans, by sensor. `timed`,
+// `untimed`: sums of the accounts of the timed scans, and of all other work.
+void addTimes(const std::map<std::uint32_t, std::vector<double>>& secondsOfSensor, const TraceAccount& timed,
+              const TraceAccount& untimed, Cost& cost) {
   double scans = 0;
   for (const auto& [sensor, seconds] : secondsOfSensor) scans += static_cast<double>(seconds.size());
   for (const auto& [sensor, seconds] : secondsOfSensor) {
@@ -82,6 +84,9 @@ void addTimes(const std::map<std::uint32_t, std::vector<double>>& secondsOfSenso
     cost.fastest += share * *std::ranges::min_element(seconds);
     cost.slowest += share * spread.max;
   }
+  if (scans == 0) return;
+  for (const auto& [stage, seconds] : untimed.seconds) cost.stages[stage] = 0;
+  for (const auto& [stage, seconds] : timed.seconds) cost.stages[stage] = seconds / scans;
 }
 
 // The finite points of a cloud (m), with the functions that nanoflann calls.
@@ -103,23 +108,6 @@ struct FiniteCloud {
 };
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, FiniteCloud>, FiniteCloud, 3>;
-
-// Returns for each point of `from` the distance to the nearest finite point of `to`; NaN for points that are not
-// finite, and if `to` has no finite point. Float is exact enough, since the points are float32 too.
-std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const Vec3f> to) {
-  std::vector<float> distances(from.size(), kUnknownDistance);
-  const FiniteCloud target(to);
-  if (target.points.empty()) return distances;
-  const Tree tree(3, target);
-  parallelForEach(from.size(), 1024, [&](std::size_t i) {
-    if (!isFinite(from[i])) return;
-    std::uint32_t index = 0;
-    float squaredDistance = 0;
-    tree.knnSearch(&from[i].x, 1, &index, &squaredDistance);
-    distances[i] = static_cast<float>(std::sqrt(double{squaredDistance}));
-  });
-  return distances;
-}
 
 }  // namespace
 
@@ -235,19 +223,12 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     const bool comparesIntensity = options.intensity && !truth.intensity.empty();
     const std::vector<float> intensity = comparesIntensity ? options.intensity(truth.shot, hits) : std::vector<float>();
     const Hits& exact = truth.truth.hits;
-    const CloudDistances distances = cloudDistances(hitPoints(truth.shot, exact), hitPoints(truth.shot, hits));
-    errors.add(truth, hits, intensity, byBeam(exact, distances.to), byBeam(hits, distances.from));
+    const std::vector<Vec3f> truePoints = hitPoints(truth.shot, exact), points = hitPoints(truth.shot, hits);
+    errors.add(truth, hits, intensity, byBeam(exact, nearestDistances(truePoints, points)),
+               byBeam(hits, nearestDistances(points, truePoints)));
   }
 
-  addTimes(secondsOfSensor, result.cost);
-  std::size_t scans = 0;
-  for (const auto& [sensor, seconds] : secondsOfSensor) scans += seconds.size();
-  if (scans > 0) {
-    for (const auto& [stage, seconds] : untimedAccount.seconds) result.cost.stages[stage] = 0;
-    for (const auto& [stage, seconds] : timedAccount.seconds) {
-      result.cost.stages[stage] = seconds / static_cast<double>(scans);
-    }
-  }
+  addTimes(secondsOfSensor, timedAccount, untimedAccount, result.cost);
   result.cost.memoryBytes = method->memoryBytes();
   result.cost.residentBytes = growth.bytes();
   result.errors = errors.finish();
@@ -276,8 +257,19 @@ std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   return points;
 }
 
-CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested) {
-  return {distancesByPoint(truth, tested), distancesByPoint(tested, truth)};
+std::vector<float> nearestDistances(std::span<const Vec3f> from, std::span<const Vec3f> to) {
+  std::vector<float> distances(from.size(), kUnknownDistance);
+  const FiniteCloud target(to);
+  if (target.points.empty()) return distances;
+  const Tree tree(3, target);
+  parallelForEach(from.size(), 1024, [&](std::size_t i) {
+    if (!isFinite(from[i])) return;
+    std::uint32_t index = 0;
+    float squaredDistance = 0;
+    tree.knnSearch(&from[i].x, 1, &index, &squaredDistance);
+    distances[i] = static_cast<float>(std::sqrt(double{squaredDistance}));
+  });
+  return distances;
 }
 
 }  // namespace scanmill

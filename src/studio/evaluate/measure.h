@@ -26,10 +26,6 @@ struct Cost {
   std::map<std::string, double> stages;  // time per scan (s), as the method reports it, summed over its threads
   std::uint64_t memoryBytes = 0;         // size of the memory that the method reports (bytes)
   std::uint64_t residentBytes = 0;       // growth of the process's resident memory; 0 if it did not grow
-
-  double beamsPerSecond(std::uint64_t beamsPerScan) const {
-    return scanSeconds > 0 ? static_cast<double>(beamsPerScan) / scanSeconds : 0;
-  }
 };
 
 struct Measurement {
@@ -80,13 +76,8 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
 // Returns the points (m) of all hits in beam order, in the frame that Shot::deskew states. Misses have no point.
 std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits);
 
-// The distances between the points of a true and of a tested cloud. Points that are not finite are ignored.
-struct CloudDistances {
-  // Distance (m) of each true point to the tested cloud; NaN if the point is not finite or the tested cloud is empty.
-  std::vector<float> to;
-  // Distance (m) of each tested point to the true cloud; NaN if the point is not finite or the true cloud is empty.
-  std::vector<float> from;
-};
-CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
+// Returns the distance (m) of each point of `from` to the nearest finite point of `to`; NaN for points that are not
+// finite, and if `to` has no finite point. Float is exact enough, since the points are float32 too.
+std::vector<float> nearestDistances(std::span<const Vec3f> from, std::span<const Vec3f> to);
 
 }  // namespace scanmill

@@ -169,7 +169,6 @@ TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
   std::vector<Channels> scans;
   const Measurement m = measure([&] { return std::make_unique<Counting>(scene, 0, scans); }, scene, shots, options);
   EXPECT_EQ(m.cost.scanSeconds, 0);
-  EXPECT_EQ(m.cost.beamsPerSecond(1000), 0);
   EXPECT_TRUE(m.cost.stages.empty());
   EXPECT_EQ(m.errors.all.beams, 2u * 24 * 256);
 }

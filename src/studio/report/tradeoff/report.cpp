@@ -92,9 +92,7 @@ class StudyPage {
 
   void addPictures() {
     for (const ErrorPicture& p : study_.pictures) {
-      if (p.png.empty()) continue;
-      const std::string caption = p.title == p.setting ? p.title : fmt::format("{}: {}", p.setting, p.title);
-      page_["shown_pictures"].push_back({{"caption", caption}, {"png", base64(p.png)}});
+      if (!p.png.empty()) page_["shown_pictures"].push_back({{"caption", p.setting}, {"png", base64(p.png)}});
     }
   }
 
@@ -120,7 +118,8 @@ class StudyPage {
       if (s.failure.empty()) {
         row.update(row["measured"]);
         row["all"] = errorsJson(row["errors"]["all"], s.measured.errors.all);
-        if (const GroupErrors* away = awayFromEdges(s.measured.errors); away != nullptr && away->range.count > 0) {
+        const GroupErrors* const away = errorsNamed(s.measured.errors.byEdge, kAwayFromEdges);
+        if (away != nullptr && away->range.count > 0) {
           row["away"]["range_m"]["p99"] = away->range.p99;
         }
         row["beams_per_s"] = beamsPerSecond(study_, s);

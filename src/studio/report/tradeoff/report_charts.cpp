@@ -43,14 +43,9 @@ const Measure kNearest{"mean distance from true points to the nearest of the set
                        }};
 const Measure kWrong{"false negatives, false positives and wrongly labelled beams", "%",
                      [](const GroupErrors& e) { return e.beams == 0 ? kNone : wrongShare(e); }};
+
 const BeamErrors& errorsOf(const Study& study, std::size_t setting) {
   return study.settings[setting].measured.errors;
-}
-
-// Returns the error of the group with this name; NaN if there is no such group.
-double errorOf(const std::vector<ErrorGroup>& groups, const std::string& name, const Measure& measure) {
-  const auto found = std::ranges::find_if(groups, [&](const ErrorGroup& g) { return g.name == name; });
-  return found == groups.end() ? kNone : measure.of(found->errors);
 }
 
 // Returns the lines that are shown when the mouse points at a setting's mark.
@@ -161,7 +156,8 @@ Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErro
   chart.y = measure.axis();
   chart.height = 400;
   return settingsChart(study, settings, std::move(chart), [&](const BeamErrors& errors, std::size_t n) {
-    const double value = errorOf(errors.*groups, names[n], measure);
+    const GroupErrors* const group = errorsNamed(errors.*groups, names[n]);
+    const double value = group == nullptr ? kNone : measure.of(*group);
     return std::pair(value, fmt::format("{}: {}", names[n], measure.text(value)));
   });
 }

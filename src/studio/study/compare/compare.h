@@ -80,9 +80,8 @@ struct ScanSet {
 };
 
 struct ScanSetOptions {
-  std::string sensor;                  // name of the sensor; empty: the first; ignored if a set has only one sensor
-  std::size_t scans = 20;              // maximum number of scans, evenly distributed over the set
-  std::size_t patchesPerScan = 20000;  // maximum number of patches per scan
+  std::string sensor;      // name of the sensor; empty: the first; ignored if a set has only one sensor
+  std::size_t scans = 20;  // maximum number of scans, evenly distributed over the set
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -90,8 +89,7 @@ struct ScanSetOptions {
 // InputError if the set cannot be read or has no points, and Error if `*options.stop` becomes true.
 ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress);
 // Measures scans in memory in the same way as readScanSet().
-ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
-                     const ScanSetOptions& options);
+ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology);
 
 // How well a feature of patches separates the two sets. Only patches of the same group and band of ranges are compared,
 // so that different places alone cause no differences.

@@ -297,14 +297,15 @@ void Patches::append(const Patches& more) {
   add(scan, more.scan);
 }
 
-Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanIndex, std::size_t mostPatches) {
+Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanIndex) {
+  constexpr std::size_t kMostPatches = 20'000;
   std::vector<std::size_t> pixels;  // pixels with a return
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] != RangeGrid::kNone) pixels.push_back(i);
   }
   Patches patches;
   PatchMeter meter(scan, grid, patches);
-  const std::size_t count = std::min(mostPatches, pixels.size());
+  const std::size_t count = std::min(kMostPatches, pixels.size());
   patches.scan.assign(count, scanIndex);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t pixel = pixels[k * pixels.size() / count];

@@ -117,8 +117,8 @@ struct Patches {
   void append(const Patches& more);
 };
 
-// Returns the patches around at most `mostPatches` points, which are evenly distributed over the scan. The same scan
-// always gives the same patches. `scanIndex`: index of the scan in its set.
-Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanIndex, std::size_t mostPatches);
+// Returns the patches around at most 20,000 points, which are evenly distributed over the scan. The same scan always
+// gives the same patches. `scanIndex`: index of the scan in its set.
+Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanIndex);
 
 }  // namespace scanmill

@@ -209,7 +209,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts
 }
 
 // Returns the measures of a scan. `scanIndex`: index of the scan in its set.
-ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex, const ScanSetOptions& options) {
+ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex) {
   const RangeGrid grid = rangeGrid(scan);
   ScanMeasures counts;
   counts.set.rows = grid.rows;
@@ -218,7 +218,7 @@ ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex, const ScanSe
   counts.set.labelled = !scan[kLabel].empty();
   countBeams(scan, grid, counts);
   measureGround(scan, grid, counts);
-  counts.set.patches = patchesOf(scan, grid, scanIndex, options.patchesPerScan);
+  counts.set.patches = patchesOf(scan, grid, scanIndex);
   return counts;
 }
 
@@ -335,12 +335,10 @@ std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& 
 
 }  // namespace
 
-ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
-                     const ScanSetOptions& options) {
+ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology) {
   std::vector<ScanMeasures> scanMeasures(scans.size());
   parallelFor(scans.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i)
-      scanMeasures[i] = measureScan(scans[i], static_cast<std::uint32_t>(i), options);
+    for (std::size_t i = first; i < last; ++i) scanMeasures[i] = measureScan(scans[i], static_cast<std::uint32_t>(i));
   });
   return combine(std::move(name), std::move(scanMeasures), std::move(ontology));
 }
@@ -362,7 +360,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
       for (std::size_t k = start + first; k < start + last; ++k) {
         const std::size_t sample = samples[k * samples.size() / count];
         const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
-        scanMeasures[k] = measureScan(scan, static_cast<std::uint32_t>(k), options);
+        scanMeasures[k] = measureScan(scan, static_cast<std::uint32_t>(k));
       }
     });
     double points = 0;

@@ -52,12 +52,12 @@ class StudyRun {
   Study run() {
     progress_.say("reading the scene");
     scene_ = source_.load(choice_.sequence);
-    moves_ = scene_.moves();
-    if (moves_) {
+    const bool moves = scene_.moves();
+    if (moves) {
       standStill(scene_, 0);
       study_.leftOut.emplace_back("the motion of objects: all stay where they are at the start of the drive");
     }
-    describe();
+    describe(moves);
     measureOptions_.repeats = choice_.repeats;
     measureOptions_.leastSeconds = 0.15;
     measureOptions_.channels = plan_.channels;
@@ -73,8 +73,8 @@ class StudyRun {
   }
 
  private:
-  // Sets the members of the study that do not need a measurement.
-  void describe() {
+  // Sets the members of the study that do not need a measurement. `moves`: true if objects move in the pipeline.
+  void describe(bool moves) {
     const Pipeline& pipeline = plan_.pipeline;
     study_.programVersion = kVersion;
     study_.date = today();
@@ -96,7 +96,7 @@ class StudyRun {
     }
     study_.ontology = scene_.ontology;
     for (const MethodEntry& entry : methods()) {
-      bool isUsable = !moves_ || entry.can.moving;
+      bool isUsable = !moves || entry.can.moving;
       for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
         isUsable = isUsable && (pipeline.lightPaths(s) == nullptr || entry.can.transmission);
       }
@@ -267,7 +267,7 @@ class StudyRun {
       try {
         Hits hits;
         makeMethod(s.choice, scene_)->trace(truth_.front().shot, kErrorChannels, hits);
-        study_.pictures.push_back({s.setting.name, s.setting.name, options_.drawErrors(truth_.front(), hits)});
+        study_.pictures.push_back({s.setting.name, options_.drawErrors(truth_.front(), hits)});
       } catch (const Error& error) {
         study_.leftOut.push_back(fmt::format("picture of {}: {}", s.setting.name, error.what()));
       }
@@ -287,7 +287,6 @@ class StudyRun {
   Progress progress_;
   WallTimer timer_;
   Scene scene_;
-  bool moves_ = false;
   MeasureOptions measureOptions_;
   std::vector<TrueShot> truth_;
   Study study_;

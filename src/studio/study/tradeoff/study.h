@@ -93,8 +93,7 @@ struct StudyScene {
 // A picture of a scan that shows which beams are wrong with a setting.
 struct ErrorPicture {
   std::string setting;  // name of the setting, see Setting::name
-  std::string title;
-  std::string png;  // contents of the PNG file
+  std::string png;      // contents of the PNG file
 };
 
 struct Study {
@@ -199,8 +198,8 @@ inline constexpr double kExactRange = 1e-5;
 // Name of the group in BeamErrors::byEdge that contains the beams away from edges.
 inline constexpr std::string_view kAwayFromEdges = "interior";
 
-// Returns the errors of the beams that are not near edges; null if edges are not known.
-const GroupErrors* awayFromEdges(const BeamErrors& errors);
+// Returns the errors of the group with this name; null if there is no such group.
+const GroupErrors* errorsNamed(const std::vector<ErrorGroup>& groups, std::string_view name);
 
 // Returns the fraction of all beams that are false negatives, false positives, unresolved or wrongly labelled.
 double wrongShare(const GroupErrors& errors);

@@ -9,18 +9,9 @@
 
 namespace scanmill {
 
-namespace {
-
-// Ratio up to which times on the front count as equal, since repeated measurements often differ by several per cent.
-constexpr double kFrontStep = 1.05;
-
-}  // namespace
-
-const GroupErrors* awayFromEdges(const BeamErrors& errors) {
-  for (const ErrorGroup& group : errors.byEdge) {
-    if (group.name == kAwayFromEdges) return &group.errors;
-  }
-  return nullptr;
+const GroupErrors* errorsNamed(const std::vector<ErrorGroup>& groups, std::string_view name) {
+  const auto found = std::ranges::find(groups, name, &ErrorGroup::name);
+  return found == groups.end() ? nullptr : &found->errors;
 }
 
 double wrongShare(const GroupErrors& e) {
@@ -34,7 +25,8 @@ double rangeP99(const GroupErrors& e) {
 }
 
 double beamsPerSecond(const Study& study, const SettingResult& result) {
-  return result.measured.cost.beamsPerSecond(study.beamsPerShot);
+  const double seconds = result.measured.cost.scanSeconds;
+  return seconds > 0 ? static_cast<double>(study.beamsPerShot) / seconds : 0;
 }
 
 bool isDefault(const Setting& setting) {
@@ -65,6 +57,8 @@ std::vector<std::string> methodsOf(const Study& study) {
 }
 
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
+  // Ratio up to which times on the front count as equal, since repeated measurements often differ by several per cent.
+  constexpr double kFrontStep = 1.05;
   const auto secondsOf = [&](std::size_t i) { return study.settings[i].measured.cost.scanSeconds; };
   const auto errorOf = [&](std::size_t i) { return error(study.settings[i].measured.errors.all); };
   std::vector<std::size_t> byTime = measuredSettings(study);

@@ -76,7 +76,7 @@ void describe(auto& a, const StudyScene& s) {
 
 // The contents of the picture are not part of the JSON; they are stored in a file beside it.
 void describe(auto& a, const ErrorPicture& p) {
-  a("setting", p.setting)("title", p.title);
+  a("setting", p.setting)("title", p.setting);
 }
 
 void describe(auto& a, const Study& s) {

@@ -75,7 +75,7 @@ void expectBalanced(const std::string& html) {
 
 Study picturedStudy() {
   Study study = exampleStudy();
-  study.pictures = {{"depth_camera", "range errors", "\x89PNG not quite"}};
+  study.pictures = {{"depth_camera", "\x89PNG not quite"}};
   return study;
 }
 
@@ -184,7 +184,7 @@ TEST(Report, HostileTextStaysText) {
   study.pipelineName = study.pipelineText = study.pipelineFile = study.machine.processor = study.machine.renderer =
       study.date = hostile;
   study.programVersion = study.scene.key = study.sensors[0] = study.leftOut[0] = hostile;
-  study.pictures[0].setting = study.pictures[0].title = hostile;
+  study.pictures[0].setting = hostile;
   study.commonStages[hostile] = 1;
   const std::string html = pageOf(study);
   EXPECT_THAT(html, Not(HasSubstr("<img src=x")));

@@ -100,7 +100,7 @@ inline Ontology testClasses() {
 }
 
 inline ScanSet setOf(const Flaws& flaws, unsigned firstSeed, bool labelled = true) {
-  return measureScans("set", flawedScans(flaws, firstSeed), labelled ? std::optional(testClasses()) : std::nullopt, {});
+  return measureScans("set", flawedScans(flaws, firstSeed), labelled ? std::optional(testClasses()) : std::nullopt);
 }
 
 }  // namespace scanmill

@@ -125,7 +125,7 @@ TEST(Compare, RunsOfMissingBeamsAreToldFromSingleOnes) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (scan[kColumn][i] >= 700 || scan[kColumn][i] < 20) scan.position[i].x = NAN;  // a run of 40 across the seam
   }
-  const ScanSet set = measureScans("cut", {withoutMisses(scan)}, {}, {});
+  const ScanSet set = measureScans("cut", {withoutMisses(scan)}, {});
   EXPECT_NEAR(figureOf(set, "missing_below"), 40.0 / 720, 1e-9);
   EXPECT_EQ(figureOf(set, "missing_in_runs"), 1);
   EXPECT_EQ(figureOf(set, "missing_single"), 0);
@@ -143,8 +143,7 @@ TEST(Compare, ClassesMeetByTheirNamesAndAliases) {
   Ontology real = testClasses();
   real.classes[2].aliases = {"facade"};
   other.classes[2].name = "facade";
-  const SetComparison found =
-      compareSets(measureScans("a", flawedScans({}, 1), real, {}), measureScans("b", scans, other, {}));
+  const SetComparison found = compareSets(measureScans("a", flawedScans({}, 1), real), measureScans("b", scans, other));
   ASSERT_TRUE(found.byClass);
   EXPECT_THAT(found.unknownClasses, ElementsAre("lamp"));
   for (const GroupComparison& group : found.groups) {
@@ -166,8 +165,8 @@ TEST(Compare, TheCoarserClassesHoldWhicheverSetComesFirst) {
   for (Scan& scan : scans) {
     for (std::uint16_t& label : scan[kLabel]) label = std::min<std::uint16_t>(label, 2);
   }
-  const auto fine = [] { return measureScans("fine", flawedScans({}, 1), testClasses(), {}); };
-  const auto other = [&] { return measureScans("coarse", scans, coarse, {}); };
+  const auto fine = [] { return measureScans("fine", flawedScans({}, 1), testClasses()); };
+  const auto other = [&] { return measureScans("coarse", scans, coarse); };
   for (const SetComparison& found : {compareSets(fine(), other()), compareSets(other(), fine())}) {
     ASSERT_TRUE(found.byClass);
     EXPECT_TRUE(found.unknownClasses.empty());
@@ -182,7 +181,7 @@ TEST(Compare, UnlikeSensorsAreToldOf) {
     scan.rings = kTestRings / 2;
     for (std::uint16_t& ring : scan[kRing]) ring = static_cast<std::uint16_t>(ring / 2);
   }
-  const SetComparison found = compareSets(setOf({}, 1), measureScans("halves", halves, testClasses(), {}));
+  const SetComparison found = compareSets(setOf({}, 1), measureScans("halves", halves, testClasses()));
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("set has 32 rings, but halves has 16")));
   EXPECT_TRUE(compareSets(setOf({}, 1), setOf({}, 11)).warnings.empty());
 }
