@@ -84,6 +84,8 @@ class Examination {
     double farthest = 1;
     for (const SensorRecord& s : report_.manifest.sensors) farthest = std::max(farthest, s.beams.maxRange);
     const RangeSteps steps = rangeStepsFor(farthest);
+    double error = 0;  // largest position error of all formats (m): it is not known from which a scan is read
+    for (const FormatRecord& f : report_.manifest.formats) error = std::max(error, f.maxErrorMetres);
     std::vector<std::optional<ScanCounts>> counts(countedScans.size());
     std::vector<std::vector<std::string>> mistakes(countedScans.size());
     Progress progress("scans read", countedScans.size(), "scans", "points", options_.quiet);
@@ -91,7 +93,7 @@ class Examination {
     reading.stop = options_.stop;
     reading.advance = [&](std::uint64_t points) { progress.advance(1, static_cast<double>(points)); };
     reading.take = [&](std::size_t k, Scan&& scan) {
-      mistakes[k] = checkScan(scan, recordOf(countedScans[k]), report_.manifest, largestError());
+      mistakes[k] = checkScan(scan, recordOf(countedScans[k]), report_.manifest, error);
       counts[k] = countScan(scan, steps);
     };
     faults_.scans = readScans(store_, countedScans, reading);
@@ -110,13 +112,6 @@ class Examination {
     for (const ScanIndex& index : countedScans) samples.push_back(index.sample);
     samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
     report_.objects = scanmill::countObjects(store_, samples, faults_.scans);
-  }
-
-  // Returns the largest position error (m) of all formats, since the format from which a scan was read is not known.
-  double largestError() const {
-    double error = 0;
-    for (const FormatRecord& f : report_.manifest.formats) error = std::max(error, f.maxErrorMetres);
-    return error;
   }
 
   // Sets the warnings. Throws Error if there are scans, but none could be read.

@@ -67,16 +67,6 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
   return counts;
 }
 
-namespace {
-
-std::size_t visibilityStep(const ObjectView& view) {
-  if (view.points == 0) return 0;
-  const double visibility = view.visibility().value_or(0);
-  return visibility <= 0.4 ? 1 : visibility <= 0.6 ? 2 : visibility <= 0.8 ? 3 : 4;
-}
-
-}  // namespace
-
 ObjectCounts countObjects(const ScanStore& store, const std::vector<std::size_t>& samples,
                           std::vector<std::string>& faults) {
   ObjectCounts counts;
@@ -86,7 +76,12 @@ ObjectCounts countObjects(const ScanStore& store, const std::vector<std::size_t>
       if (!list) continue;
       for (const ObjectRecord& object : list->objects) {
         for (const ObjectView& view : object.views) {
-          const std::size_t step = visibilityStep(view);
+          const double visible = view.visibility().value_or(0);
+          const std::size_t step = view.points == 0 ? 0
+                                   : visible <= 0.4 ? 1
+                                   : visible <= 0.6 ? 2
+                                   : visible <= 0.8 ? 3
+                                                    : 4;
           ++counts.ofClass[object.semantic][step];
           const double distance = length(view.sensorFromBox.translation);
           const auto band = std::upper_bound(kDistanceSteps.begin(), kDistanceSteps.end(), distance);

@@ -4,11 +4,11 @@
 
 #include <charconv>
 #include <regex>
-#include <sstream>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/terminal.h"
+#include "base/text_scan.h"
 #include "charts/svg_text.h"
 
 namespace scanmill {
@@ -17,17 +17,12 @@ namespace {
 
 constexpr int kMostHalfWidth = 870;  // pixels; wider charts stand alone in a row
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t\n");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") + 1 - first);
-}
-
 // Splits a line that describes a table's column (see fillPage()) at " | " into four parts; missing parts are empty.
-std::vector<std::string> cellParts(const std::string& line) {
+std::vector<std::string> cellParts(std::string_view line) {
   std::vector<std::string> parts;
   for (std::size_t begin = 0; begin != std::string::npos;) {
     const std::size_t end = line.find(" | ", begin);
-    parts.push_back(trimmed(line.substr(begin, end - begin)));
+    parts.emplace_back(trimmed(line.substr(begin, end - begin)));
     begin = end == std::string::npos ? end : end + 3;
   }
   parts.resize(4);
@@ -50,10 +45,8 @@ std::string sortAttribute(const std::string& cell) {
 // Converts the description of a table (see fillPage()) to a Mustache template. The first column, which names the row,
 // stands outside of "+" groups. A row with `failure` has one wide cell in place of the other columns.
 std::string tableTemplate(const std::string& text) {
-  std::istringstream lines(text);
-  std::string line;
-  std::string rowsPath, repeatedPath,
-      groupTitle;                     // the values' path of the list of rows; path after "+"; title of "=="
+  // The values' path of the list of rows, the path after "+" and the title after "==".
+  std::string rowsPath, repeatedPath, groupTitle;
   std::string groups, heads, cells;   // templates of the cells: of the two rows of headings, and of a row of values
   int columns = 0, groupColumns = 0;  // numbers of columns so far: in all, and in the current group
   const auto endGroup = [&] {
@@ -65,8 +58,8 @@ std::string tableTemplate(const std::string& text) {
     heads += tag;
     cells += tag;
   };
-  while (std::getline(lines, line)) {
-    line = trimmed(line);
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::string line(takeLine(rest));
     if (line.empty()) continue;
     if (rowsPath.empty()) {
       rowsPath = line;
@@ -106,9 +99,9 @@ std::string tableTemplate(const std::string& text) {
 }
 
 std::string figuresTemplate(const std::string& text) {
-  std::istringstream names(text);
-  std::string name, figures;
-  while (names >> name) figures += fmt::format("{{{{#charts.{0}}}}}{{{{>chart}}}}{{{{/charts.{0}}}}}", name);
+  std::string figures;
+  for (const std::string_view name : wordsOf(text))
+    figures += fmt::format("{{{{#charts.{0}}}}}{{{{>chart}}}}{{{{/charts.{0}}}}}", name);
   return "<div class=\"figures\">" + figures + "</div>";
 }
 

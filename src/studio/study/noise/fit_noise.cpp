@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "base/short_text.h"
+#include "base/text_scan.h"
 #include "config/fields.h"
 #include "config/resources.h"
 #include "config/value.h"
@@ -226,16 +227,6 @@ std::string ringBiasYaml(const RingErrors& rings) {
   return text + fmt::format(" ({} rings).\n  - ring_bias: {{{}}}\n", rings.range.rings, keys);
 }
 
-bool isComment(const std::string& line) {
-  const std::size_t start = line.find_first_not_of(" \t");
-  return start != std::string::npos && line[start] == '#';
-}
-
-// True for a blank line or a comment without indentation: such a line between two keys may belong to the second key.
-bool isBetweenKeys(const std::string& line) {
-  return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
-}
-
 // The lines of a file from index `first` to `end`, which is excluded.
 struct LineSpan {
   std::size_t first, end;
@@ -266,7 +257,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
     if (i + 1 < list.items.size()) {
       // The item ends before the comments that belong to the next item.
       item.end = static_cast<std::size_t>(list.items[i + 1].where.line - 1);
-      while (item.end > nameLine + 1 && isComment(lines[item.end - 1])) --item.end;
+      while (item.end > nameLine + 1 && trimmed(lines[item.end - 1]).starts_with('#')) --item.end;
     }
     if (item.end <= nameLine) {
       throw InputError(list.items[i].where, "two effects on one line: give each a line of its own");
@@ -284,12 +275,6 @@ std::vector<const PatchGroup*> NoiseFit::usedBands() const {
     if (band.leftOut.empty()) list.push_back(&band);
   }
   return list;
-}
-
-double NoiseFit::measuredUpTo() const {
-  double last = 0;
-  for (const PatchGroup* band : usedBands()) last = std::max(last, band->range);
-  return last;
 }
 
 NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans,
@@ -336,15 +321,13 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
 }
 
 std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
-  const double last = fit.measuredUpTo();
-  double highestEnd = 0;  // largest upper end of the used bands (m)
-  for (const PatchGroup* band : fit.usedBands()) highestEnd = std::max(highestEnd, band->high);
-  if (!(fit.sensorReach > highestEnd)) return {};
+  const PatchGroup& last = *fit.usedBands().back();
+  if (!(fit.sensorReach > last.high)) return {};
   const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line is extrapolated";
   std::vector<std::string> lines{
-      fmt::format("Measured up to {:.0f} m; from there to {:g} m {}.", last, fit.sensorReach, rule)};
+      fmt::format("Measured up to {:.0f} m; from there to {:g} m {}.", last.range, fit.sensorReach, rule)};
   for (const PatchGroup& band : fit.bands) {
-    if (band.leftOut.empty() || band.range <= last || band.patches < kFewestPatches) continue;
+    if (band.leftOut.empty() || band.range <= last.range || band.patches < kFewestPatches) continue;
     lines.push_back(fmt::format("At {} the noise is {:.0f} mm, which is left out of the fit ({}).", band.name,
                                 1000 * band.sigma, band.leftOut));
   }
@@ -414,7 +397,8 @@ std::string withEffects(const std::string& text, const std::string& file, const 
       key.end = std::min(key.end, line);
     }
   }
-  while (key.end > key.first && isBetweenKeys(lines[key.end - 1])) --key.end;
+  // A blank line or a comment without indentation between two keys may belong to the second key.
+  while (key.end > key.first && (trimmed(lines[key.end - 1]).empty() || lines[key.end - 1].front() == '#')) --key.end;
   const Value* const list = root.find("effects");
   const bool isBlockList = list != nullptr && list->kind == Value::Kind::Sequence && !list->items.empty() &&
                            list->items.front().where.line > static_cast<int>(key.first) + 1;

@@ -87,8 +87,6 @@ struct NoiseFit {
   RingErrors rings;          // errors of rings, from patches with ranges and incidences that the fit uses
 
   std::vector<const PatchGroup*> usedBands() const;  // returns the bands of range that the fit uses
-
-  double measuredUpTo() const;  // returns the mean range (m) of the last band that the fit uses
 };
 
 // Measures the noise on patches of the scans and fits the model. `patches`: the result of findFlatPatches(). Throws

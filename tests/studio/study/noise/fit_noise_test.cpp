@@ -339,9 +339,9 @@ TEST(FitNoise, SaysWhereItsModelEnds) {
   ASSERT_FALSE(beyondMeasured(one).empty());
   EXPECT_THAT(effects, HasSubstr("# " + beyondMeasured(one).front() + "\n"));
   EXPECT_THAT(beyondMeasured(one).front(),
-              AllOf(HasSubstr(fmt::format("up to {:.0f} m", one.measuredUpTo())), HasSubstr("120 m")));
+              AllOf(HasSubstr(fmt::format("up to {:.0f} m", one.usedBands().back()->range)), HasSubstr("120 m")));
   NoiseFit near = one;
-  near.sensorReach = one.measuredUpTo();
+  near.sensorReach = one.usedBands().back()->range;
   EXPECT_TRUE(beyondMeasured(near).empty());
 }
 
