@@ -198,7 +198,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   std::map<std::uint32_t, std::vector<double>> secondsOfSensor;
   TraceAccount timedAccount, untimedAccount;
 
-  // Memory for the hits is taken before growth.begin(), so that only the method's memory counts.
+  // Memory for the hits is allocated before growth.begin(), so that only the method's memory counts.
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
   growth.begin();

@@ -209,7 +209,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts
 }
 
 // Returns the measures of a scan. `scanIndex`: index of the scan in its set.
-ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex) {
+ScanMeasures measureScan(const Scan& scan, std::size_t scanIndex) {
   const RangeGrid grid = rangeGrid(scan);
   ScanMeasures counts;
   counts.set.rows = grid.rows;
@@ -218,7 +218,7 @@ ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex) {
   counts.set.labelled = !scan[kLabel].empty();
   countBeams(scan, grid, counts);
   measureGround(scan, grid, counts);
-  counts.set.patches = patchesOf(scan, grid, scanIndex);
+  counts.set.patches = patchesOf(scan, grid, static_cast<std::uint32_t>(scanIndex));
   return counts;
 }
 
@@ -337,9 +337,7 @@ std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& 
 
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology) {
   std::vector<ScanMeasures> scanMeasures(scans.size());
-  parallelFor(scans.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) scanMeasures[i] = measureScan(scans[i], static_cast<std::uint32_t>(i));
-  });
+  parallelForEach(scans.size(), 1, [&](std::size_t i) { scanMeasures[i] = measureScan(scans[i], i); });
   return combine(std::move(name), std::move(scanMeasures), std::move(ontology));
 }
 
@@ -356,12 +354,10 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
   const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
   for (std::size_t start = 0; start < count; start += batch) {
     const std::size_t size = std::min(batch, count - start);
-    parallelFor(size, 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t k = start + first; k < start + last; ++k) {
-        const std::size_t sample = samples[k * samples.size() / count];
-        const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
-        scanMeasures[k] = measureScan(scan, static_cast<std::uint32_t>(k));
-      }
+    parallelForEach(size, 1, [&](std::size_t i) {
+      const std::size_t sample = samples[(start + i) * samples.size() / count];
+      const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
+      scanMeasures[start + i] = measureScan(scan, start + i);
     });
     double points = 0;
     for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(scanMeasures[k].set.points);

@@ -252,10 +252,8 @@ class RepeatabilityRun {
                            const BoxedObject& object) const {
     const std::vector<ObjectCloud> clouds = cloudsOf(method, scene, shot, object);
     std::vector<Registered> registered(pairs_.size());
-    parallelFor(pairs_.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t p = first; p < last && !stopped(); ++p) {
-        registered[p] = registerClouds(clouds[pairs_[p].source], clouds[pairs_[p].target], choice_.icp);
-      }
+    parallelForEach(pairs_.size(), 1, [&](std::size_t p) {
+      if (!stopped()) registered[p] = registerClouds(clouds[pairs_[p].source], clouds[pairs_[p].target], choice_.icp);
     });
     if (stopped()) throw Error("stopped: nothing was written");
 
