@@ -188,9 +188,8 @@ class EchoFinder {
     for (std::uint32_t ray = first; ray < end; ++ray) addRay(ray);
     for (const std::uint32_t ray : continued) addRay(ray);
     if (rays_.empty()) return;
-    const auto [nearest, farthest] = std::minmax_element(
-        rays_.begin(), rays_.end(), [](const HitRay& a, const HitRay& b) { return a.range < b.range; });
-    if (rays_.size() == 1 || (pulse_ > 0 && farthest->range - nearest->range <= pulse_)) {
+    const auto [nearest, farthest] = std::ranges::minmax(rays_, {}, &HitRay::range);
+    if (rays_.size() == 1 || (pulse_ > 0 && farthest.range - nearest.range <= pulse_)) {
       addEcho(beam, rays_);  // all rays form one echo: the case of most beams
     } else {
       separateEchoes(beam);

@@ -57,7 +57,11 @@ void BrickMaker::make(const BrickFrame& frame, std::uint16_t* distance, std::uin
     makeDense(frame);
   }
   fillDistances(distance);
-  fillTrianglesOrLists(distance, triangleOrList);
+  const auto farthest = static_cast<std::uint16_t>((lists_ ? kListLimit : kNearestLimit) / kDistanceStep);
+  const auto& entries = lists_ ? list_ : nearest_;
+  for (int corner = 0; corner < kCornersPerBrick; ++corner) {
+    triangleOrList[corner] = distance[corner] > farthest ? kNoTriangle : entries[corner];
+  }
   if (lists_) appendLists(triangleOrList, listEntries);
   distance[kCornersPerBrick] = 0;
   triangleOrList[kCornersPerBrick] = kNoTriangle;
@@ -93,16 +97,6 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
       steps[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(stored * (1 / kDistanceStep)));
     }
     for (int i = 0; i < kBlock; ++i) distance[brick::cornerIndex(block, i)] = steps[i];
-  }
-}
-
-// Sets triangleOrList[corner] to the nearest triangle or, in a field with lists, to the list's start in listed_; sets
-// kNoTriangle if the corner is too far from all triangles.
-void BrickMaker::fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const {
-  const auto farthest = static_cast<std::uint16_t>((lists_ ? kListLimit : kNearestLimit) / kDistanceStep);
-  const auto& entries = lists_ ? list_ : nearest_;
-  for (int corner = 0; corner < kCornersPerBrick; ++corner) {
-    triangleOrList[corner] = distance[corner] > farthest ? kNoTriangle : entries[corner];
   }
 }
 

@@ -45,7 +45,6 @@ class BrickMaker {
 
   void sortTriangles();
   void endList(std::uint32_t corner);
-  void fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const;
   void appendLists(std::uint32_t* triangleOrList, std::vector<std::uint32_t>& listEntries);
   void fillDistances(std::uint16_t* distance) const;
   void makeSparse(const BrickFrame& frame);

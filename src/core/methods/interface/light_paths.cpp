@@ -69,10 +69,9 @@ class LightFollower {
     for (std::uint32_t i = 0; i < hits_.rays(); ++i) {
       if (!continues(hits_.material[i]) || !hits_.hit(i)) continue;
       const std::size_t step = shot_.stepOf(i % beams.columns);
-      Vec3d origin = shot_.worldFromSensor[step].translation - start;
-      if (!beams.origin.empty()) origin = origin + rotation[step] * Vec3d(beams.origin[i]);
+      const Vec3d sensor = shot_.worldFromSensor[step].translation - start;
       const ContinuedRay direct{.beam = hits_.beamOfRay[i],
-                                .origin = origin,
+                                .origin = sensor + rotation[step] * beams.originOf(i),
                                 .direction = rotation[step] * beams.direction[i],
                                 .weight = hits_.weightOfRay[i]};
       appendContinuations(direct, hits_, i, continued);

@@ -19,16 +19,6 @@ using Refine = ParticleOptions::Refine;
 constexpr std::pair<const char*, Backend> kBackends[] = {{"cpu", Backend::Cpu}, {"gl", Backend::Gl}};
 constexpr std::pair<const char*, Refine> kRefines[] = {{"none", Refine::None}, {"triangle", Refine::ByTriangle}};
 
-// Returns the option `voxels`. Throws InputError if it is not a multiple of kVoxelsStep.
-std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
-  const auto voxels = static_cast<std::uint32_t>(fields.integer("voxels", kFewestVoxels, kMostVoxels, fallback));
-  if (voxels % kVoxelsStep != 0) {
-    throw InputError(fields.require("voxels").where, "voxels must be a multiple of {}: {} or {}, not {}", kVoxelsStep,
-                     voxels / kVoxelsStep * kVoxelsStep, (voxels / kVoxelsStep + 1) * kVoxelsStep, voxels);
-  }
-  return voxels;
-}
-
 constexpr std::uint32_t kUsualLevels = 5;  // assumed for `levels: auto`; enough for ranges of 120 to 200 m
 constexpr double kFarthestBrick = 1e15;    // largest lattice coordinate of a brick: its corners are exact in double
 
@@ -65,7 +55,12 @@ double largestCoordinate(const Box& box, const Vec3d& centre) {
 ParticleOptions readParticleOptions(Fields& fields) {
   ParticleOptions options;
   options.voxel = fields.number("voxel_m", kVoxelRange, options.voxel);
-  options.voxels = readVoxels(fields, options.voxels);
+  const auto voxels = static_cast<std::uint32_t>(fields.integer("voxels", kFewestVoxels, kMostVoxels, options.voxels));
+  if (voxels % kVoxelsStep != 0) {
+    throw InputError(fields.require("voxels").where, "voxels must be a multiple of {}: {} or {}, not {}", kVoxelsStep,
+                     voxels / kVoxelsStep * kVoxelsStep, (voxels / kVoxelsStep + 1) * kVoxelsStep, voxels);
+  }
+  options.voxels = voxels;
   const Value* levels = fields.find("levels");
   if (levels != nullptr && levels->text != "auto") {
     options.levels = static_cast<std::uint32_t>(fields.integer("levels", 1, kMaxLevels));

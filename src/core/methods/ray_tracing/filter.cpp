@@ -41,8 +41,8 @@ float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
 bool tryAccept(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction,
                const Candidate& candidate, float& far) {
   const float nearestSoFar = context.distance[lane];
-  // Two hits tie if their gap along the normal of the steeper surface is small. Only hits within reach along the ray
-  // can.
+  // Two hits tie if their gap is small along the normal of the surface that faces the ray more. Hits out of reach of
+  // each other along the ray cannot tie.
   bool isTie = false;
   if (std::abs(distance - nearestSoFar) <= distance * kReach + context.floor) {
     const Candidate holder{context.instance[lane], context.geometry[lane], context.primitive[lane]};

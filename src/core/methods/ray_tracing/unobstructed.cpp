@@ -148,10 +148,9 @@ Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Shot& shot, con
   ThingContext context{.world = world.get(), .instanceId = boxes_.things()[thing].id};
   // Returns true if the beam would hit the thing within the sensor's range.
   const auto seesThing = [&](std::uint32_t beam) {
-    const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(beam % beams.columns);
+    const std::uint32_t step = frame.step[beam % beams.columns];
     const Vec3d direction = frame.rotation[step] * beams.direction[beam];
-    Vec3d origin = frame.position[step];
-    if (!beams.origin.empty()) origin += frame.rotation[step] * Vec3d(beams.origin[beam]);
+    const Vec3d origin = frame.position[step] + frame.rotation[step] * beams.originOf(beam);
     const std::optional<Interval> inside = crossing(extent, origin, direction);
     if (!inside || inside->enter > beams.maxRange) return false;
     const float firedAt = firingFraction(beams, beam, world->revolution.duration);

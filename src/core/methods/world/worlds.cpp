@@ -25,7 +25,7 @@ Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions
       instanced_(instancedMeshes(scene, instancing)),
       shared_(device_.get(), scene, instanced_, options, moves_) {}
 
-std::uint64_t Worlds::triangles() const {
+std::uint64_t Worlds::memoryBytes() const {
   std::uint64_t triangles = 0;
   for (const Instance& i : scene_.instances) {
     triangles += instanced_[i.mesh] ? 0 : scene_.meshes[i.mesh].triangles.size();
@@ -33,11 +33,7 @@ std::uint64_t Worlds::triangles() const {
   for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
     triangles += instanced_[m] ? scene_.meshes[m].triangles.size() : 0;
   }
-  return triangles;
-}
-
-std::uint64_t Worlds::memoryBytes() const {
-  return triangles() * kBytesPerTriangle;
+  return triangles * kBytesPerTriangle;
 }
 
 std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, double time, double duration,

@@ -32,10 +32,8 @@ class Worlds {
   bool moves() const { return moves_; }
   std::string embree() const { return embreeVersion(device_.get()); }  // version of the library
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
-  // Returns the number of triangles of a world and its shared meshes. A baked triangle counts once per instance, a
-  // triangle of a shared mesh counts once.
-  std::uint64_t triangles() const;
-  // Returns approximately how many bytes the triangles that triangles() counts take.
+  // Returns approximately how many bytes the triangles of a world and its shared meshes take. A baked triangle counts
+  // once per instance, a triangle of a shared mesh counts once.
   std::uint64_t memoryBytes() const;
 
  private:

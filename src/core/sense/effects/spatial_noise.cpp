@@ -67,8 +67,7 @@ void PositionsOfHits::compute(std::size_t first, Positions& positions, Positions
     if (row >= returns_.size() || !returns_.returned(row) || returns_.hit(row) == kNoHit) continue;
     const std::uint32_t beam = returns_.beam(row);
     const std::size_t step = rotation_.size() == 1 ? 0 : stepOf_[beam % beams.columns];
-    Vec3d inSensor = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
-    if (!beams.origin.empty()) inSensor += Vec3d(beams.origin[beam]);
+    const Vec3d inSensor = beams.direction[beam] * double{hits_.range[returns_.hit(row)]} + beams.originOf(beam);
     positions.set(i, shot_.worldFromSensor[step].translation + rotation_[step] * inSensor);
     if (directions != nullptr) directions->set(i, rotation_[step] * beams.direction[beam]);
   }
