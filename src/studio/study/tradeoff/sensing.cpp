@@ -50,33 +50,6 @@ Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, co
   return readSensorEffects(list, EffectClasses(pipeline), sensor);
 }
 
-// The effects and the setup of one sensor in one variation. The setup refers to the other members, so the object must
-// not be moved.
-struct VariedSensor {
-  Effects effects;
-  std::optional<Footprint> footprint;
-  ShotSetup setup;
-};
-
-std::unique_ptr<VariedSensor> makeSensor(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor,
-                                         const Changes& changes) {
-  ScanLayout layout;
-  layout.columns = ColumnSet().with(kLabel).with(kRing).with(kColumn).with(kIntensity).with(kReturn);
-  auto varied =
-      std::make_unique<VariedSensor>(VariedSensor{changedEffects(plan.pipeline, plan.pipeline.sensors[sensor], changes),
-                                                  std::nullopt,
-                                                  {method, {}, {{}, scene.materials, layout}}});
-  const BeamTable& beams = *plan.sensors[sensor].beams;
-  const std::uint32_t rays = raysPerBeam(varied->effects);
-  if (rays > 1) varied->footprint = makeFootprint(beams, rays);
-  varied->setup.receiver.effects = varied->effects;
-  varied->setup.channels = channelsFor(varied->effects, layout.columns);
-  varied->setup.footprint = varied->footprint ? &*varied->footprint : nullptr;
-  varied->setup.paths = lightPaths(varied->effects);
-  if (varied->setup.paths != nullptr) varied->setup.channels |= kLightChannels;
-  return varied;
-}
-
 struct NearestReturn {
   Vec3f position;  // in the sensor's frame (m)
   std::uint16_t label = 0;
@@ -192,13 +165,21 @@ class SensingStudy {
   Scan scan(const Variation& variation, const Shot& shot, SensingResult& result) const {
     if (stop_ && stop_()) throw Error("interrupted: nothing was written");
     if (say_) say_(variation.name);
-    const auto sensor = makeSensor(plan_, scene_, *method_, shot.sensor, variation.changes);
+    const Effects effects = changedEffects(plan_.pipeline, plan_.pipeline.sensors[shot.sensor], variation.changes);
+    const std::uint32_t rays = raysPerBeam(effects);
+    std::optional<Footprint> footprint;
+    if (rays > 1) footprint = makeFootprint(*plan_.sensors[shot.sensor].beams, rays);
+    const ScanLayout layout{ColumnSet().with(kLabel).with(kRing).with(kColumn).with(kIntensity).with(kReturn)};
+    ShotSetup setup{*method_, channelsFor(effects, layout.columns), {effects, scene_.materials, layout}};
+    setup.footprint = footprint ? &*footprint : nullptr;
+    setup.paths = lightPaths(effects);
+    if (setup.paths != nullptr) setup.channels |= kLightChannels;
     ShotBuffers buffers;
     // The first call of each stage is not timed: it allocates memory.
-    traceShot(sensor->setup, shot, buffers.hits);
-    result.traceSeconds += secondsOf([&] { traceShot(sensor->setup, shot, buffers.hits); });
+    traceShot(setup, shot, buffers.hits);
+    result.traceSeconds += secondsOf([&] { traceShot(setup, shot, buffers.hits); });
     const ThreadLimit oneThread(1);
-    const auto applyEffects = [&] { senseShot(sensor->setup, shot, buffers.hits, buffers.returns, buffers.scan); };
+    const auto applyEffects = [&] { senseShot(setup, shot, buffers.hits, buffers.returns, buffers.scan); };
     applyEffects();
     result.effectsSeconds += secondsOf(applyEffects);
     return std::move(buffers.scan);
