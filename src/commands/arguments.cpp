@@ -188,16 +188,13 @@ std::string folderOption(const Arguments& arguments, const std::string& name) {
 
 void prepareOutputFile(const std::filesystem::path& file, const Arguments& arguments) {
   std::error_code failure;
-  const auto refuse = [](const std::filesystem::path& path, const std::string& why) {
-    throw InputError({path.string()}, why);
-  };
-  if (std::filesystem::is_directory(file, failure)) refuse(file, "is a folder: name a file");
+  if (std::filesystem::is_directory(file, failure)) throw InputError({file.string()}, "is a folder: name a file");
   if (std::filesystem::exists(file, failure) && !arguments.has("overwrite")) {
-    refuse(file, "exists: name another place with -o, or add --overwrite");
+    throw InputError({file.string()}, "exists: name another place with -o, or add --overwrite");
   }
   const std::filesystem::path folder = file.parent_path();
   if (folder.empty() || std::filesystem::create_directories(folder, failure) || !failure) return;
-  refuse(folder, fmt::format("cannot be made ({}): name another folder with -o", failure.message()));
+  throw InputError({folder.string()}, "cannot be made ({}): name another folder with -o", failure.message());
 }
 
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {

@@ -39,15 +39,15 @@ class Rule {
   std::size_t firstPoint_ = 0;
 };
 
-// Checks one scan. The manifest must list the record's sensor, whose beam table beams_ then points to.
+// Checks one scan. The manifest must list the record's sensor.
 class ScanCheck {
  public:
   ScanCheck(const Scan& scan, const ScanRecord& record, const Manifest& manifest, double maxError)
-      : scan_(scan), record_(record), manifest_(manifest), maxError_(maxError) {
-    for (const SensorRecord& sensor : manifest.sensors) {
-      if (sensor.name == record.sensor) beams_ = &sensor.beams;
-    }
-  }
+      : scan_(scan),
+        record_(record),
+        manifest_(manifest),
+        beams_(std::ranges::find(manifest.sensors, record.sensor, &SensorRecord::name)->beams),
+        maxError_(maxError) {}
 
   std::vector<std::string> run() {
     checkShape();
@@ -80,10 +80,10 @@ class ScanCheck {
   }
 
   void checkShape() {
-    if (record_.beams != beams_->size()) problem("{} beams, but its sensor has {}", record_.beams, beams_->size());
-    if (scan_.organised && scan_.size() != scan_.planes * beams_->size()) {
-      problem("{} x {} points, but its sensor has {} rings of {} columns", scan_.height(), scan_.width(), beams_->rings,
-              beams_->columns);
+    if (record_.beams != beams_.size()) problem("{} beams, but its sensor has {}", record_.beams, beams_.size());
+    if (scan_.organised && scan_.size() != scan_.planes * beams_.size()) {
+      problem("{} x {} points, but its sensor has {} rings of {} columns", scan_.height(), scan_.width(), beams_.rings,
+              beams_.columns);
     }
     if (scan_.size() > 0) checkColumns();  // an empty scan of an earlier version has no columns
   }
@@ -116,8 +116,8 @@ class ScanCheck {
     const double motion =
         length(record_.worldFromSensor.back().translation - record_.worldFromSensor.front().translation);
     // Largest valid distance (m) from the origin of the sensor's frame. Beams may start away from this origin.
-    const double reach = kNoiseReach * beams_->maxRange + std::hypot(beams_->originOffset, beams_->originHeight) +
-                         std::hypot(largest(beams_->originLeft), largest(beams_->originUp)) + motion + maxError_;
+    const double reach = kNoiseReach * beams_.maxRange + std::hypot(beams_.originOffset, beams_.originHeight) +
+                         std::hypot(largest(beams_.originLeft), largest(beams_.originUp)) + motion + maxError_;
     Rule finiteRule("not finite");
     Rule reachRule(fmt::format("farther than {:.6g} m, the sensor's greatest range", reach));
     std::uint64_t points = 0;
@@ -160,15 +160,15 @@ class ScanCheck {
         return check(fmt::format("with {} not finite", column.name),
                      [](std::size_t, double value) { return std::isfinite(value); });
       case ColumnValidity::Rings:
-        return checkBelow(beams_->rings);
+        return checkBelow(beams_.rings);
       case ColumnValidity::Columns:
-        return checkBelow(beams_->columns);
+        return checkBelow(beams_.columns);
       case ColumnValidity::SensorRange: {
-        const double tolerance = maxError_ + kRangeRounding * beams_->maxRange;  // m
-        return check(fmt::format("with {} outside {:.6g} to {:.6g} m", column.name, beams_->minRange, beams_->maxRange),
+        const double tolerance = maxError_ + kRangeRounding * beams_.maxRange;  // m
+        return check(fmt::format("with {} outside {:.6g} to {:.6g} m", column.name, beams_.minRange, beams_.maxRange),
                      [&](std::size_t i, double value) {
                        return isMiss(i) || (std::isnan(value) && mayHaveNoSurface(i)) ||
-                              (value >= beams_->minRange - tolerance && value <= beams_->maxRange + tolerance);
+                              (value >= beams_.minRange - tolerance && value <= beams_.maxRange + tolerance);
                      });
       }
       case ColumnValidity::Interval: {
@@ -223,7 +223,7 @@ class ScanCheck {
   const Scan& scan_;
   const ScanRecord& record_;
   const Manifest& manifest_;
-  const BeamTable* beams_ = nullptr;
+  const BeamTable& beams_;
   double maxError_;
   std::vector<std::string> problems_;
 };

@@ -164,10 +164,8 @@ class ShardCheck {
     if (objects_ != nullptr && objects_->key == sample.key && countedSensors_.insert(record->sensor).second) {
       checkObjectPoints(name, scan, record->sensor);
     }
-    double maxError = 0;
-    for (const FormatRecord& f : manifest_.formats) {
-      if (f.suffix == format) maxError = f.maxErrorMetres;
-    }
+    const auto stated = std::ranges::find(manifest_.formats, format, &FormatRecord::suffix);
+    const double maxError = stated == manifest_.formats.end() ? 0 : stated->maxErrorMetres;
     for (const std::string& text : checkScan(scan, *record, manifest_, maxError)) {
       problem("{}: {}", name, text);
     }

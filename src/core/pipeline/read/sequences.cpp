@@ -29,6 +29,13 @@ const Value* firstAlong(const Value& list) {
   return nullptr;
 }
 
+// Returns the lanes of a scene's town. Throws InputError at `where`, the place of the key `along`, if the scene has
+// none.
+SceneLanes requireLanes(const std::filesystem::path& scene, std::uint64_t seed, const Location& where) {
+  if (std::optional<SceneLanes> lanes = readSceneLanes(scene, seed)) return *std::move(lanes);
+  throw InputError(where, "`along` follows the lanes of a town, but {} has no town: give waypoints", scene.string());
+}
+
 // Reads a list of trajectories. `period`: duration of the slowest sensor's revolution (s). `lanes`: lanes of the
 // scene's town; may be null if no trajectory follows a lane. `seed`: the scene's seed, which determines the sway of the
 // vehicle.
@@ -135,6 +142,7 @@ std::string keyPart(std::string_view text) {
 std::vector<Sequence> readSequences(Fields& fields, double period,
                                     const std::function<void(std::uint64_t)>& checkFrames) {
   const Value* sharedTrajectories = fields.find("trajectories");
+  // Reports errors in the list even if no scene uses it. A list with `along` can be read only with a scene's lanes.
   if (sharedTrajectories != nullptr && firstAlong(*sharedTrajectories) == nullptr)
     readTrajectories(*sharedTrajectories, period);
   std::vector<Sequence> sequences;
@@ -156,13 +164,8 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
     checkFrames(frames + seeds.size() * leastFrames(*list));
     for (const std::uint64_t seed : seeds) {
       if (along != nullptr) {
-        const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
-        if (!lanes) {
-          throw InputError(
-              along->where,
-              fmt::format("`along` follows the lanes of a town, but {} has no town: give waypoints", file.string()));
-        }
-        trajectories = readTrajectories(*list, period, &*lanes, seed);
+        const SceneLanes lanes = requireLanes(file, seed, along->where);
+        trajectories = readTrajectories(*list, period, &lanes, seed);
       }
       checkFrames(frames);
       for (const auto& trajectory : trajectories) {
