@@ -130,24 +130,22 @@ void printElements() {
   }
 }
 
-std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  if (std::filesystem::is_directory(folder)) {
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-    }
+// Returns the names and paths of the YAML files in a folder of the program.
+Rows fileRows(const char* folder) {
+  Rows rows;
+  for (const std::string& name : resourceNames(folder)) {
+    rows.push_back({name, (resourceFolder() / folder / (name + ".yaml")).string()});
   }
-  std::ranges::sort(files);
-  return files;
+  return rows;
 }
 
 Rows sensorRows() {
   Rows rows{{"name", "model", "beams", "scans/s", "points/s", "field (deg)", "range (m)", "effects"}};
-  for (const auto& file : yamlFiles(resourceFolder() / "pipelines" / "sensors")) {
-    const Value value = readYaml(file);
+  for (const std::vector<std::string>& file : fileRows("pipelines/sensors")) {
+    const Value value = readYaml(file.back());
     const std::shared_ptr<const BeamTable> beams = makeBeams(value);
     const std::array<double, 2> field = fieldOf(*beams);
-    rows.push_back({file.stem().string(), beams->model, fmt::format("{} x {}", beams->rings, beams->columns),
+    rows.push_back({file.front(), beams->model, fmt::format("{} x {}", beams->rings, beams->columns),
                     fmt::format("{:.4g}", 1 / beams->period),
                     fmt::format("{:.0f}", static_cast<double>(beams->size()) / beams->period),
                     fmt::format("{:.3g} x {:.3g}", field[0], field[1]),
@@ -165,10 +163,10 @@ Rows corruptionRows() {
 
 Rows ontologyRows() {
   Rows rows;
-  for (const auto& file : yamlFiles(resourceFolder() / "labels")) {
-    if (readYaml(file).find("classes") == nullptr) continue;
-    const Ontology ontology = readOntology(file);
-    rows.push_back({file.stem().string(), fmt::format("{} classes", ontology.classes.size())});
+  for (const std::vector<std::string>& file : fileRows("labels")) {
+    if (readYaml(file.back()).find("classes") == nullptr) continue;
+    const Ontology ontology = readOntology(file.back());
+    rows.push_back({file.front(), fmt::format("{} classes", ontology.classes.size())});
   }
   return rows;
 }
@@ -178,13 +176,6 @@ Rows materialRows() {
   for (const Material& m : readMaterials(resourceFolder() / "labels" / "materials.yaml").materials) {
     rows.push_back({m.name, fmt::format("reflectance {:.2f} at 905 nm; {}", m.reflectance, m.source)});
   }
-  return rows;
-}
-
-// Returns the names and paths of the YAML files in a folder of the program.
-Rows fileRows(const char* folder) {
-  Rows rows;
-  for (const auto& file : yamlFiles(resourceFolder() / folder)) rows.push_back({file.stem().string(), file.string()});
   return rows;
 }
 

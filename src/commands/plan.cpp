@@ -329,13 +329,13 @@ int runPlan(const std::vector<std::string>& arguments) {
   const bool checks = parsed.has("check");
   if (recorded && checks) warn("--check needs scenes, but a recording has none: it is ignored");
   SceneCheck scenes(source);
-  std::vector<ModelledItem> items = scenes.modelledItems();
   if (checks || recorded) {
     scenes.run();
     scenes.print();
-    items = scenes.modelledItems();
     printText("\n");
-  } else {
+  }
+  std::vector<ModelledItem> items = scenes.modelledItems();
+  if (!checks && !recorded) {
     items.push_back(
         {"method", fmt::format("{}; --check tells what it leaves out of these scenes", pipeline.methodName())});
   }

@@ -25,14 +25,17 @@ class PackedDataset {
     std::uint64_t bytes = 2048;  // of the sample's description
     for (const Member& m : sample.files) bytes += ShardFile::memberBytes(120, m.bytes.size());
     std::unique_ptr<ShardWriter>& shard = open_[sample.split];
-    if (shard && shard->bytes() + bytes > shardBytes_) close(sample.split);
+    std::uint64_t& size = size_[sample.split];
+    if (shard && size + bytes > shardBytes_) close(sample.split);
     if (!shard) {
+      size = ShardFile::kEndBytes;
       shard = std::make_unique<ShardWriter>(folder_.staging(), shardName(sample.split, count_[sample.split]++),
                                             sample.split);
       number_[sample.split] = parts_.size();
       parts_.emplace_back();
     }
     shard->add(sample);
+    size += bytesInShard(sample);
     order_.push_back(sample.key);
   }
 
@@ -65,6 +68,7 @@ class PackedDataset {
   DatasetFolder folder_;
   std::uint64_t shardBytes_;
   std::map<std::string, std::unique_ptr<ShardWriter>> open_;
+  std::map<std::string, std::uint64_t> size_;  // bytes of the open shard of a split
   std::map<std::string, std::uint64_t> count_;
   std::map<std::string, std::size_t> number_;  // of the open shard of a split, among all
   std::vector<ShardPart> parts_;               // in the order in which they were opened

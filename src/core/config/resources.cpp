@@ -167,10 +167,14 @@ fs::path namedResource(const std::string& name, const std::string& subfolder) {
   return resolveResource({.kind = Value::Kind::Scalar, .text = name}, name, subfolder);
 }
 
+std::set<std::string> resourceNames(const std::string& subfolder) {
+  return yamlNames(resourceFolder() / subfolder);
+}
+
 std::string nearestResource(const std::string& name, const std::string& subfolder) {
   const fs::path path = name;
   if (path.has_parent_path() || (path.has_extension() && path.extension() != kSuffix)) return {};
-  const std::set<std::string> names = yamlNames(resourceFolder() / subfolder);
+  const std::set<std::string> names = resourceNames(subfolder);
   return nearest(path.stem().string(), {names.begin(), names.end()});
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "config/value.h"
@@ -24,6 +25,9 @@ bool isPlainName(const std::string& name);
 // suffix) of a file in a subfolder of resourceFolder(), such as "semantic_kitti" in "labels". Throws an InputError that
 // names existing files. For names within YAML files see resolveResource().
 std::filesystem::path namedResource(const std::string& name, const std::string& subfolder);
+
+// Returns the names, without suffix, of the YAML files in a subfolder of resourceFolder().
+std::set<std::string> resourceNames(const std::string& subfolder);
 
 // Returns the name of the file in a subfolder of resourceFolder() that is nearest to the unknown name `name`; empty if
 // none is near, or if `name` is a path or has another suffix than .yaml.

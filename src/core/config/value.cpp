@@ -119,6 +119,13 @@ const Value& Value::valueOf(std::string_view key) const {
   return found == nullptr ? null : *found;
 }
 
+const Value* Value::findInItems(std::string_view key) const {
+  for (const Value& item : items) {
+    if (const Value* const found = item.find(key)) return found;
+  }
+  return nullptr;
+}
+
 Value readYaml(const std::filesystem::path& path) {
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);

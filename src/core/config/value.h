@@ -33,6 +33,8 @@ struct Value {
 
   const Value* find(std::string_view key) const;     // Map: the value of a key; null if absent
   const Value& valueOf(std::string_view key) const;  // Map: the value of a key; a value of kind Null if absent
+  // Sequence: the value of a key in the first item that has the key; null if no item has it
+  const Value* findInItems(std::string_view key) const;
 };
 
 struct Value::Entry {

@@ -53,7 +53,9 @@ class ScanCheck {
     checkShape();
     if (problems_.empty()) {
       checkPositions();
-      checkTable();
+      visitTable(scan_, [&](auto key, const auto& values) {
+        if (!values.empty()) checkColumn(key.row, values);
+      });
       checkClasses();
       checkInstances();
     }
@@ -133,14 +135,7 @@ class ScanCheck {
     if (points != record_.points) problem("{} points, but the manifest says {}", points, record_.points);
   }
 
-  // Checks the values of each column against the validity in the table of columns.
-  void checkTable() {
-    visitTable(scan_, [&](auto key, const auto& values) {
-      if (!values.empty()) checkColumn(key.row, values);
-    });
-  }
-
-  // Reports the values that the column's validity does not allow.
+  // Reports the values that the column's validity in the table of columns does not allow.
   template <class T>
   void checkColumn(const Column& column, const std::vector<T>& values) {
     // Reports the points for which isValid(index of the point, value) is false.

@@ -201,7 +201,6 @@ void ShardWriter::add(const Sample& sample) {
   for (std::size_t i = 0; i < contents.size(); ++i) {
     file_.add(record.members[i], contents[i]);
     record.xxh3.push_back(xxh3(contents[i]));
-    bytes_ += ShardFile::memberBytes(record.members[i].size(), contents[i].size());
   }
   part_.samples.push_back(std::move(record));
   broken_ = false;

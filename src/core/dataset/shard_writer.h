@@ -54,7 +54,8 @@ struct Sample : SampleRecord {
   std::vector<Member> files;
 };
 
-// Returns the number of bytes that the sample takes in its shard, including its description and all headers.
+// Returns the number of bytes that the sample takes in its shard, including its description and all headers. A shard
+// has ShardFile::kEndBytes more than its samples.
 std::uint64_t bytesInShard(const Sample& sample);
 
 // The records of one shard and its samples, for a manifest. SampleRecord::shard is 0 in all of them.
@@ -73,13 +74,11 @@ class ShardWriter {
   // Appends a sample. Throws Error for names that WebDataset would misread, and for a sample of another split than the
   // shard's; further samples can then still be added. After an error of the disk, all calls throw Error.
   void add(const Sample& sample);
-  std::uint64_t bytes() const { return bytes_; }  // size that the file would have after finish()
   [[nodiscard]] ShardPart finish();
 
  private:
   ShardPart part_;
   ShardFile file_;
-  std::uint64_t bytes_ = ShardFile::kEndBytes;
   bool broken_ = false;  // true if a sample was only partly written, so that the shard must not be closed
 };
 

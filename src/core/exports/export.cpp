@@ -193,7 +193,6 @@ class Export {
     }
   }
 
-  // Returns the description of this export.
   std::string description() const {
     OrderedJson json{{"program", {{"name", "scanmill"}, {"version", kVersion}}},
                      {"layout", options_.layout->name},

@@ -81,7 +81,6 @@ void putText(std::string text, std::size_t length, std::string& bytes) {
   bytes += text;
 }
 
-// Appends a variable length record.
 void putRecord(const char* user, std::uint16_t id, const char* description, std::string_view data, std::string& bytes) {
   putNumber(std::uint16_t{0}, bytes);
   putText(user, 16, bytes);
@@ -213,7 +212,6 @@ void putPosition(const ExportPlan& plan, const ExportSample& sample, const Expor
   }
 }
 
-// Returns the contents of a scan's LAS file.
 std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
   const Scan& scan = exportScan.scan;
   const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan.manifest.deskewed);

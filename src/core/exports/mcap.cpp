@@ -94,7 +94,6 @@ class Bag {
     addMounts();
   }
 
-  // Adds the messages of a sample.
   void add(ExportSample sample) {
     for (ExportScan& scan : sample.scans) {
       const std::uint64_t time = timeStamp(scan.record->time);

@@ -76,7 +76,6 @@ std::string headOf(Kind kind, std::size_t length) {
   return fieldsOf(static_cast<std::uint8_t>(kind), std::uint64_t{length});
 }
 
-// Returns a record of these fields.
 template <class... Fields>
 std::string record(Kind kind, const Fields&... fields) {
   const std::string content = fieldsOf(fields...);

@@ -208,10 +208,9 @@ class PathCheck {
       box.add(Vec3d{0, 0, ground});
       for (const SensorSetting& s : settings_->sensors) box.add(s.vehicleFromSensor.translation);
       if (box.high.z - ground < kOnSurface) box.high.z = ground + kDefaultHeight;
-      const GroundOptions defaults;
-      if (trajectory_->ground() != nullptr && trajectory_->ground()->wheels &&
-          trajectory_->ground()->wheels != defaults.wheels) {
-        const auto& [wheelbase, track] = *trajectory_->ground()->wheels;
+      const GroundOptions* const options = trajectory_->ground();
+      if (options != nullptr && options->wheels && options->wheels != GroundOptions().wheels) {
+        const auto& [wheelbase, track] = *options->wheels;
         for (const double half : {-0.5, 0.5}) box.add(Vec3d{half * wheelbase, half * track, ground});
       }
     }

@@ -327,12 +327,8 @@ Value withCorruption(const Value& effects, const Value& corruption) {
 }
 
 std::vector<std::string> corruptionNames() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(resourceFolder() / kFolder)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::ranges::sort(names);
-  return names;
+  const std::set<std::string> names = resourceNames(kFolder);
+  return {names.begin(), names.end()};
 }
 
 std::string corruptionSummary(const std::string& name) {

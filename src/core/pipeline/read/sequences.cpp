@@ -21,14 +21,6 @@ namespace {
 
 using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
 
-// Returns the value of the first key `along` in a list of trajectories; null if no trajectory has this key.
-const Value* firstAlong(const Value& list) {
-  for (const Value& item : list.items) {
-    if (const Value* along = item.find("along")) return along;
-  }
-  return nullptr;
-}
-
 // Returns the lanes of a scene's town. Throws InputError at `where`, the place of the key `along`, if the scene has
 // none.
 SceneLanes requireLanes(const std::filesystem::path& scene, std::uint64_t seed, const Location& where) {
@@ -143,7 +135,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
                                     const std::function<void(std::uint64_t)>& checkFrames) {
   const Value* sharedTrajectories = fields.find("trajectories");
   // Reports errors in the list even if no scene uses it. A list with `along` can be read only with a scene's lanes.
-  if (sharedTrajectories != nullptr && firstAlong(*sharedTrajectories) == nullptr)
+  if (sharedTrajectories != nullptr && sharedTrajectories->findInItems("along") == nullptr)
     readTrajectories(*sharedTrajectories, period);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
@@ -159,7 +151,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
     const Value* list = sceneTrajectories == nullptr ? sharedTrajectories : sceneTrajectories;
     if (list == nullptr)
       throw InputError(item.where, "no trajectories: give the scene or the pipeline the key `trajectories`");
-    const Value* along = firstAlong(*list);
+    const Value* along = list->findInItems("along");
     Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, period);
     checkFrames(frames + seeds.size() * leastFrames(*list));
     for (const std::uint64_t seed : seeds) {

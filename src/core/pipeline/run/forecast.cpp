@@ -55,17 +55,9 @@ double numberOr(const Value& map, std::string_view key, double fallback) {
   return number;
 }
 
-// Returns the keys of the town among a scene's objects; null if no object is a town.
-const Value* townIn(const Value& objects) {
-  for (const Value& object : objects.items) {
-    if (const Value* const town = object.find("town")) return town;
-  }
-  return nullptr;
-}
-
 SceneFactors factorsOf(const std::filesystem::path& sceneFile) {
   const Value root = readYaml(sceneFile);
-  const Value* const town = townIn(root.valueOf("objects"));
+  const Value* const town = root.valueOf("objects").findInItems("town");
   if (town == nullptr) return kAssets;
   constexpr double kUsualLength = 300;  // m, of a town whose file states none
   SceneFactors factors = kTowns;
@@ -211,7 +203,7 @@ bool followsFromSeeds(const Pipeline& pipeline) {
     std::vector<DrawnValue> draws;
     const Value& objects = root.valueOf("objects");
     withDraws(objects, "objects", {}, draws);
-    return !draws.empty() || townIn(objects) != nullptr;
+    return !draws.empty() || objects.findInItems("town") != nullptr;
   });
 }
 
