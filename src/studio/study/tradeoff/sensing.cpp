@@ -79,7 +79,11 @@ class SensingStudy {
     for (const Shot& shot : shots_) method_->prepare(shot);
     std::vector<SensingResult> results;
     results.reserve(variations.size());
-    for (const Variation& variation : variations) results.push_back(measure(variation));
+    for (const Variation& variation : variations) {
+      const bool hasTruth = results.empty() || results.front().failure.empty();
+      results.push_back(hasTruth ? measure(variation)
+                                 : SensingResult{.name = variation.name, .failure = "the truth could not be measured"});
+    }
     return results;
   }
 
