@@ -312,9 +312,9 @@ std::string cardText(const Manifest& manifest) {
   text += fmt::format(
       "- Creator: {}\n- License: {}\n", aboutText(manifest, "creator", "not stated"),
       license.empty() ? "not stated; the licenses of the scenes' assets hold for what was made of them" : license);
-  for (const char* key : {"url", "citation"}) {
+  for (const auto& [key, title] : {std::pair("url", "Page"), std::pair("citation", "Cite as")}) {
     const std::string value = aboutText(manifest, key, "");
-    if (!value.empty()) text += fmt::format("- {}: {}\n", key[0] == 'u' ? "Page" : "Cite as", value);
+    if (!value.empty()) text += fmt::format("- {}: {}\n", title, value);
   }
   std::set<std::string> randomKeys, methods;
   for (const SampleRecord& sample : manifest.samples) {

@@ -129,23 +129,21 @@ std::vector<std::string> shardsRecordedIn(const fs::path& hidden) {
   return names;
 }
 
-std::vector<std::string> writtenFiles(const fs::path& folder) {
-  std::vector<std::string> written = filesListedIn(folder / kManifestName);
-  const std::vector<std::string> replaced = filesListedIn(folder / kHiddenName / kReplacedName);
-  written.insert(written.end(), replaced.begin(), replaced.end());
-  for (const std::string& shard : shardsRecordedIn(folder / kHiddenName)) {
-    written.push_back(shard);
-    written.push_back(samplesFileOf(shard));
+std::set<std::string> writtenFiles(const fs::path& folder) {
+  std::set<std::string> written;
+  for (const fs::path& manifest : {folder / kManifestName, folder / kHiddenName / kReplacedName}) {
+    for (const std::string& file : filesListedIn(manifest)) written.insert(file);
   }
-  std::ranges::sort(written);
-  written.erase(std::unique(written.begin(), written.end()), written.end());
+  for (const std::string& shard : shardsRecordedIn(folder / kHiddenName)) {
+    written.insert({shard, samplesFileOf(shard)});
+  }
   return written;
 }
 
 void checkOwnership(const fs::path& folder, const FolderContents& contents) {
-  const std::vector<std::string> written = writtenFiles(folder);
+  const std::set<std::string> written = writtenFiles(folder);
   for (const std::string& name : contents.shards) {
-    if (std::ranges::binary_search(written, name)) continue;
+    if (written.contains(name)) continue;
     throw InputError({(folder / name).string()}, "exists, but {}: move it, or choose another output folder",
                      contents.manifest ? "the manifest does not list it" : "no manifest lists it");
   }

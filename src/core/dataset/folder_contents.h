@@ -3,6 +3,7 @@
 // Lists the files in the folder of a dataset, and finds the files that this program has written.
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,7 @@ std::vector<std::string> shardsRecordedIn(const std::filesystem::path& hidden);
 // Returns the names of the shards that this program wrote into a folder, and of the files that describe their samples.
 // These files belong to the dataset in the folder; or, if a process was killed while it published a dataset, to the old
 // or the new dataset. Throws InputError if a manifest in the folder cannot be read.
-std::vector<std::string> writtenFiles(const std::filesystem::path& folder);
+std::set<std::string> writtenFiles(const std::filesystem::path& folder);
 
 // Throws InputError if writing a new dataset would destroy or hide files that this program has not written.
 void checkOwnership(const std::filesystem::path& folder, const FolderContents& contents);

@@ -30,13 +30,12 @@ SweptBox sweptBox(const Box& box, const Pose& start, const Pose& end) {
   const Pose middle = interpolate(start, end, 0.5);
   const Vec3d travel = inverse(middle) * end.translation;
   const Vec3d halfLength{std::fabs(travel.x), std::fabs(travel.y), std::fabs(travel.z)};
-  SweptBox swept{.sweptFromWorld = toAffine(inverse(middle)),
-                 .worldFromSwept = toAffine(middle),
-                 .box = {box.low - halfLength, box.high + halfLength},
-                 .worldBounds = {},
-                 .backward = travel.x < 0};
-  swept.worldBounds = boxAround(swept.worldFromSwept, swept.box);
-  return swept;
+  const Box extended{box.low - halfLength, box.high + halfLength};
+  return {.sweptFromWorld = toAffine(inverse(middle)),
+          .worldFromSwept = toAffine(middle),
+          .box = extended,
+          .worldBounds = boxAround(toAffine(middle), extended),
+          .backward = travel.x < 0};
 }
 
 // Finds swept boxes by the horizontal square cells that the boxes overlap.
