@@ -126,7 +126,6 @@ TEST_F(RunStudy, PicturesShowOnlyWhatErrs) {
   const Study study = studied(withKey(three()));
   ASSERT_THAT(study.pictures, SizeIs(1));
   EXPECT_EQ(study.pictures[0].setting, study.settings[1].setting.name);
-  EXPECT_EQ(study.pictures[0].title, study.settings[1].setting.name);
   EXPECT_THAT(study.pictures[0].png, AllOf(HasSubstr(" of 512"), Not(testing::StartsWith("0 of"))));
   EXPECT_THAT(studied(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}")).pictures, IsEmpty());
 }

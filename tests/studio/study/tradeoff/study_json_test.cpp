@@ -30,7 +30,7 @@ Study wholeStudy() {
   study.settings[2].measured.errors.byRange[1].errors.nearestFrom.max = 77.5;
   study.ontology.name = "ours";
   study.ontology.classes = {{0, "unlabeled", {0, 0, 0}, false, {}}, {7, "car", {1, 2, 3}, true, {"auto", "vehicle"}}};
-  study.pictures = {{"particle refine=none", "particle refine=none", "not kept"}, {"x", "y", {}}};
+  study.pictures = {{"particle refine=none", "not kept"}, {"x", {}}};
   return study;
 }
 
