@@ -20,20 +20,24 @@ class Ground {
   // Returns the height (m) of the highest surface that is below `point` or at most 0.5 m above it. If no surface is
   // that low, returns the height of the lowest surface above `point`; nothing if there is no surface at all.
   virtual std::optional<double> under(const Vec3d& point) const = 0;
-  // Returns the height (m) of the surface nearest to `point`; nothing if none is within 1.5 m below or above it.
-  virtual std::optional<double> near(const Vec3d& point) const = 0;
+  // Returns, by point, the heights (m) of all surfaces at most `reach` (m) below or above the point, in any order.
+  // Faster than calls for single points. The points must be within about 30 m of each other.
+  virtual std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const = 0;
 };
 
 // How a vehicle is placed on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
 struct GroundOptions {
+  // True for waypoints without the key `ground`: the vehicle stands on the ground only if its waypoints are at the
+  // height of the ground. Otherwise it flies, or its waypoints are those of a sensor, and it keeps their heights.
+  bool onlyIfAtGround = false;
   double height = 0;                                        // m, height of the vehicle's origin above the ground
   std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: the vehicle stays upright
   std::vector<std::string> classes;                         // classes of the ground; empty: all except thing classes
   Location where;
 };
 
-// Reads the options from `value`, the value of the key `ground`. Throws InputError.
-GroundOptions readGround(const Value& value);
+// Reads the options from `value`, the value of the key `ground`; nothing for `none`. Throws InputError.
+std::optional<GroundOptions> readGround(const Value& value);
 
 // The height and the slopes of the ground under a vehicle at one position.
 struct GroundSample {
@@ -50,7 +54,7 @@ class GroundProfile {
   // Samples the ground at ascending `positions` on the path. The first sample is the ground under the pose; each later
   // sample is the ground nearest in height to the previous sample, so that a bridge is not confused with what lies
   // beneath it. Over gaps the vehicle keeps its height; after 10 m without ground, ground at any height is accepted.
-  // Throws InputError at `options.where` if no part of the path has ground.
+  // If no part of the path has ground, throws InputError at `options.where`, unless `options.onlyIfAtGround`.
   GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                 const Ground& ground);
 
@@ -64,9 +68,17 @@ class GroundProfile {
   [[nodiscard]] Pose place(const Pose& pose, double position) const;
   // Returns the fraction of the path's samples for which no ground was found, and which copy another sample.
   double bareFraction() const { return bareFraction_; }
+  // Returns the mean distance (m) of the given path from the ground, above or below it; infinite without ground.
+  double meanClearance() const { return meanClearance_; }
 
  private:
+  // Returns the samples by position; nothing for positions without ground. Also sets meanClearance_. `driven`: m along
+  // the path, by position.
+  std::vector<std::optional<GroundSample>> sample(const GroundOptions& options, const PoseOnPath& poseOnPath,
+                                                  const std::vector<double>& driven, const Ground& ground);
+
   double bareFraction_ = 0;
+  double meanClearance_ = 0;
   std::vector<double> positions_;
   std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };

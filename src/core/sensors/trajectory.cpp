@@ -14,6 +14,7 @@ namespace scanmill {
 namespace {
 
 constexpr Range kInterval{1e-9, 1e9};  // limits of every_s (s) and every_m (m)
+constexpr double kAtGround = 0.5;      // m; waypoints at most this far from the ground, on average, are on the ground
 constexpr double kLastTurn = 1;        // s; the path must be known until at least this long after the last frame's
                                        // start; most revolutions are shorter
 
@@ -171,8 +172,13 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }
   if (end > 0) knots.push_back(end);
-  placed.profileOfGround_ = std::make_shared<const GroundProfile>(
+  const auto profile = std::make_shared<const GroundProfile>(
       *groundOptions_, onPath, GroundProfile::samplePositions(onPath, knots, groundOptions_->where), ground);
+  if (groundOptions_->onlyIfAtGround && profile->meanClearance() > kAtGround) {
+    placed.groundOptions_.reset();
+  } else {
+    placed.profileOfGround_ = profile;
+  }
   return placed;
 }
 
@@ -215,8 +221,8 @@ void Trajectory::readPath(Fields& fields, const SceneLanes* lanes) {
   if (!waypoints) fields.refuse({"path", "rounding"}, "is for waypoints");
   if (!lines) fields.refuse({"rounding"}, "is for `path: line`, whose corners it rounds");
   if (waypoints) {
-    const std::vector<Vec3d> points =
-        readWaypoints(fields.require("waypoints"), groundOptions_ ? Climbs::No : Climbs::Yes);
+    const std::vector<Vec3d> points = readWaypoints(
+        fields.require("waypoints"), groundOptions_ && !groundOptions_->onlyIfAtGround ? Climbs::No : Climbs::Yes);
     setPath(lines ? Path::lines(points, fields.number("rounding", {0.01, 1000}, 0.5)) : Path(points));
     return;
   }
@@ -305,7 +311,6 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
   Trajectory result;
   result.name_ = fields.text("name", name);
   result.lastTurn_ = std::max(kLastTurn, period);
-  if (const Value* ground = fields.find("ground")) result.groundOptions_ = readGround(*ground);
   if (countDrives(value) > 1) result.name_ += fmt::format("-{}", drive);
   const double limit =
       fields.has("frames") ? static_cast<double>(fields.integer("frames", 1, Trajectory::kMaxFrames)) : INFINITY;
@@ -318,9 +323,17 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
                      "trajectory {} has {}: give exactly one of poses, waypoints, along, on and recorded", result.name_,
                      kinds.empty() ? "none of these keys" : fmt::format("{}", fmt::join(kinds, " and ")));
   }
-  if (kinds.front() == "poses") {
+  const std::string& kind = kinds.front();
+  if (const Value* ground = fields.find("ground")) {
+    result.groundOptions_ = readGround(*ground);
+  } else if (kind == "waypoints" || kind == "along" || kind == "on") {
+    result.groundOptions_.emplace();
+    result.groundOptions_->onlyIfAtGround = kind == "waypoints";
+    result.groundOptions_->where = fields.require(kind).where;
+  }
+  if (kind == "poses") {
     result.readPoses(fields, period, limit);
-  } else if (kinds.front() == "recorded") {
+  } else if (kind == "recorded") {
     result.readRecorded(fields, period, limit);
   } else {
     result.readDrive(fields, period, limit, seed, lanes);

@@ -37,17 +37,16 @@ std::vector<Vec3d> hiddenPath(const Vec3d& end, const Vec3d& beforeEnd, double r
 
 }  // namespace
 
-LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral) {
+LanePoints lanePoints(const Layout& l, const LanePath& path, const std::function<double(const Road&)>& lateral) {
   LanePoints result;
   std::vector<Vec3d> onRoads;
   for (const RoadInterval& s : path.intervals) {
     const Road& road = l.roads()[s.road];
     const double direction = s.to >= s.from ? 1 : -1;  // -1: against the road's line
-    const double lateral = road.oneWay() ? out : std::max(road.laneMiddle() + out, leastLateral);
     const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPointDistance));
     for (int k = 0; k <= count; ++k) {
       const double along = s.from + (s.to - s.from) * k / count;
-      onRoads.push_back(l.onGround(besideRoad(road, along, -direction * lateral).at));
+      onRoads.push_back(l.onGround(besideRoad(road, along, -direction * lateral(road)).at));
       result.positions.push_back({s.road, along});
     }
   }
@@ -59,6 +58,19 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double 
   result.points.insert(result.points.end(), onRoads.begin(), onRoads.end());
   result.points.insert(result.points.end(), after.begin(), after.end());
   return result;
+}
+
+LanePoints egoLanePoints(const Layout& l, const LanePath& path) {
+  // m. In eleven drives of KITTI the right edge of the road was 3.25 m from the sensor (median), while the middle of
+  // the lanes of such roads is 2.3 m from their edge.
+  constexpr double kLeastOffset = 0.2, kMostOffset = 1.4;
+  constexpr double kHalfWidth = 0.9;  // m, of the ego vehicle
+  const double offset = Draw(l.seed, models::Kind::EgoOffset).in(kLeastOffset, kMostOffset);
+  return lanePoints(l, path, [&](const Road& road) {
+    const double middle = road.laneMiddle();
+    if (road.oneWay() || road.section.lanes > 1) return middle;
+    return std::min(middle, std::max(middle - offset, kHalfWidth + kMiddle));
+  });
 }
 
 // Returns, of the side roads at the right with long enough lanes, the first as `from` and the last as `into`.

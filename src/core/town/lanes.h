@@ -3,6 +3,7 @@
 // Paths of vehicles along the lanes of a town's roads.
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "town/layout.h"
@@ -34,9 +35,13 @@ struct LanePoints {
   std::size_t firstOnRoad = 0;
 };
 
-// Returns the points of a path: `out` m to the right of the middle of the rightmost lane, but at least `leastLateral` m
-// to the right of the centre line; on one-way roads, `out` m to the right of the centre line.
-LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral);
+// Returns the points of a path. `lateral` returns the distance (m) of the path from a road's centre line, to the right
+// in the direction of driving.
+LanePoints lanePoints(const Layout& l, const LanePath& path, const std::function<double(const Road&)>& lateral);
+
+// Returns the points of the ego vehicle's path in the rightmost lane. On two-way roads with one lane in each direction,
+// it drives nearer to the centre line than the middle of the lane, by an offset that depends on the seed.
+LanePoints egoLanePoints(const Layout& l, const LanePath& path);
 
 // These functions return distances (m) along a side road: the start and the end of its lanes, and its stop line.
 inline double laneStart(const Layout& l) {

@@ -48,7 +48,7 @@ SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
     turns.intervals.back().to = *ego.into->joins - town::turnStart(*ego.into);
     turns.intervals.push_back({ego.into->number, town::laneStart(layout), town::laneEnd(*ego.into)});
   }
-  SceneLanes lanes{town::lanePoints(layout, through, 0, 0).points, town::lanePoints(layout, turns, 0, 0).points,
+  SceneLanes lanes{town::egoLanePoints(layout, through).points, town::egoLanePoints(layout, turns).points,
                    static_cast<int>(turns.intervals.size()) - 1};
   for (std::vector<Vec3d>* lane : {&lanes.lane, &lanes.turns}) {
     for (Vec3d& p : *lane) p = townFromLayout(layout, p);

@@ -53,11 +53,14 @@ struct VehiclePath {
   }
 };
 
-// Returns the path of a vehicle of half width `halfWidth` along lanes; see lanePoints(). On two-way roads the vehicle's
-// left side is at least kMiddle from the centre line.
+// Returns the path of a vehicle of half width `halfWidth` along lanes, `out` m to the right of the middle of the
+// rightmost lane. On two-way roads the vehicle's left side is at least kMiddle from the centre line; on one-way roads,
+// the path is `out` m to the right of the centre line.
 VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, double halfWidth,
                         const Affine& worldFromTown) {
-  LanePoints lane = lanePoints(l, lanePath, out, halfWidth + kMiddle);
+  LanePoints lane = lanePoints(l, lanePath, [&](const Road& road) {
+    return road.oneWay() ? out : std::max(road.laneMiddle() + out, halfWidth + kMiddle);
+  });
   for (Vec3d& p : lane.points) p = worldFromTown * p;
   auto path = std::make_shared<const Path>(lane.points);
   return {std::move(path), std::move(lane)};

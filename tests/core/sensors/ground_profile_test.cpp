@@ -20,9 +20,13 @@ class Hills : public Ground {
     const double z = height_(p.x, p.y);
     return std::isfinite(z) ? std::optional(z) : std::nullopt;
   }
-  std::optional<double> near(const Vec3d& p) const override {
-    const std::optional<double> z = under(p);
-    return z && std::fabs(*z - p.z) <= 1.5 ? z : std::nullopt;
+  std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const override {
+    std::vector<std::vector<double>> heights(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::optional<double> z = under(points[i]);
+      if (z && std::fabs(*z - points[i].z) <= reach) heights[i].push_back(*z);
+    }
+    return heights;
   }
 
  private:
@@ -38,22 +42,36 @@ double slope(double x, double y) {
 }
 
 // Whichever way it heads, the vehicle's z axis is the plane's normal, its heading over ground is that of the way, and
-// its origin lies on the plane.
+// its origin lies on the plane. Waypoints at the ground need no key for that.
 TEST(GroundProfile, StandsSquareOnAPlane) {
   const Hills plane(slope);
   const Vec3d normal = normalized(Vec3d{-0.1, 0.05, 1});
-  for (const char* to : {"[40, 0, 0]", "[0, 40, 9]", "[-30, 30, -5]", "[-40, -1, 0]"}) {
-    const Trajectory drive = on(std::string("waypoints: [[0, 0, 0], ") + to + "], speed: 5, ground: drop", plane);
-    const Pose pose = drive.pose(20, 0.03);
-    const Mat3 axes = toMatrix(pose.rotation);
-    EXPECT_LT(length(axes.z - normal), 1e-9) << to;
-    const Pose flat =
-        readTrajectory(parseYaml(std::string("{waypoints: [[0, 0, 0], ") + to + "], speed: 5}", "t"), "t", 0.1)
-            .pose(20, 0.03);
-    const Vec3d ahead = toMatrix(flat.rotation).x;
-    EXPECT_NEAR(axes.x.x * ahead.y - axes.x.y * ahead.x, 0, 1e-9) << to;
-    EXPECT_GT(axes.x.x * ahead.x + axes.x.y * ahead.y, 0) << to;
-    EXPECT_NEAR(pose.translation.z, slope(pose.translation.x, pose.translation.y), 1e-9) << to;
+  for (const Vec2d& to : {Vec2d{40, 0}, Vec2d{0, 40}, Vec2d{-30, 30}, Vec2d{-40, -1}}) {
+    for (const bool atGround : {true, false}) {
+      const std::string line = fmt::format("waypoints: [[0, 0, {}], [{}, {}, {}]], speed: 5", atGround ? 3 : 9, to.x,
+                                           to.y, atGround ? slope(to.x, to.y) : 0);
+      const Pose given = readTrajectory(parseYaml("{" + line + ", ground: none}", "t"), "t", 0.1).pose(20, 0.03);
+      const Pose pose = on(line + (atGround ? "" : ", ground: drop"), plane).pose(20, 0.03);
+      const Mat3 axes = toMatrix(pose.rotation);
+      EXPECT_LT(length(axes.z - normal), 1e-9) << line;
+      const Vec3d ahead = toMatrix(given.rotation).x;
+      EXPECT_NEAR(axes.x.x * ahead.y - axes.x.y * ahead.x, 0, 1e-9) << line;
+      EXPECT_GT(axes.x.x * ahead.x + axes.x.y * ahead.y, 0) << line;
+      EXPECT_NEAR(pose.translation.z, slope(pose.translation.x, pose.translation.y), 1e-9) << line;
+    }
+  }
+}
+
+// Waypoints away from the ground, and `ground: none`, keep their heights, and the vehicle stays upright.
+TEST(GroundProfile, FlyingVehiclesKeepTheirHeights) {
+  const Hills plane(slope);
+  for (const char* line :
+       {"waypoints: [[0, 0, 4.8], [40, 0, 8.8]], speed: 5", "waypoints: [[0, 0, 3], [40, 0, 30]], speed: 5",
+        "waypoints: [[0, 0, 3], [40, 0, 7]], speed: 5, ground: none"}) {
+    const Trajectory given = readTrajectory(parseYaml(std::string("{") + line + "}", "t"), "t", 0.1);
+    const Trajectory drive = given.ground() == nullptr ? given : on(line, plane);
+    EXPECT_EQ(drive.ground(), nullptr) << line;
+    EXPECT_EQ(drive.pose(20, 0.03).translation.z, given.pose(20, 0.03).translation.z) << line;
   }
 }
 
@@ -131,9 +149,13 @@ TEST(GroundProfile, IsThatBesideTheWayWhereTheLaneChanges) {
 class Bridge : public Ground {
  public:
   std::optional<double> under(const Vec3d& p) const override { return deck(p) && p.z > 5.5 ? 6.0 : 0.0; }
-  std::optional<double> near(const Vec3d& p) const override {
-    if (deck(p) && std::fabs(p.z - 6) <= 1.5) return 6.0;
-    return std::fabs(p.z) <= 1.5 ? std::optional(0.0) : std::nullopt;
+  std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const override {
+    std::vector<std::vector<double>> heights(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (deck(points[i]) && std::fabs(points[i].z - 6) <= reach) heights[i].push_back(6);
+      if (std::fabs(points[i].z) <= reach) heights[i].push_back(0);
+    }
+    return heights;
   }
 
  private:

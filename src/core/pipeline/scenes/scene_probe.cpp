@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "scene/surface_heights.h"
 
@@ -14,8 +15,7 @@ constexpr std::size_t kMostHits = 100;
 // position. Rare moves save work, since a method may build a hierarchy for each anchor. Ray tracing orders coplanar
 // surfaces reliably up to 64 m from the anchor (kCoplanarCorners).
 constexpr double kAnchorDistance = 48;
-constexpr double kBoundsMargin = 1;        // m, around the scene's bounds
-constexpr double kNearGroundHeight = 1.5;  // m, largest height difference of the ground that near() finds
+constexpr double kBoundsMargin = 1;  // m, around the scene's bounds
 constexpr Vec3d kDown{0, 0, -1};
 
 // Returns the distance (m) along a ray at which it leaves the slab between `low` and `high` along one axis; negative if
@@ -76,18 +76,32 @@ std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<
   return firstHits;
 }
 
-std::vector<SceneProbe::Hit> SceneProbe::all(const Ray& ray, double reach) const {
-  std::vector<Hit> hits;
-  double start = 0;   // distance along the ray (m) from which the next hit is searched
-  double anchor = 0;  // distance along the ray (m) of the anchor, which the method takes for the sensor's position
-  while (hits.size() < kMostHits && start < reach) {
-    if (start - anchor > kAnchorDistance) anchor = start;
-    const std::vector<Ray> remaining{{ray.from + ray.direction * start, ray.direction}};
-    std::optional<Hit> hit = first(remaining, reach - start, ray.from + ray.direction * anchor).front();
-    if (!hit) break;
-    hit->distance += start;
-    start = hit->distance + kBehindHit;
-    hits.push_back(*hit);
+std::vector<std::vector<SceneProbe::Hit>> SceneProbe::all(const std::vector<Ray>& rays, double reach) const {
+  std::vector<std::vector<Hit>> hits(rays.size());
+  std::vector<double> starts(rays.size(), 0.0);  // distances along the rays (m) from which the next hits are searched
+  std::vector<std::size_t> unfinished(rays.size());  // indices of the rays that may have further hits
+  std::iota(unfinished.begin(), unfinished.end(), std::size_t{0});
+  double anchor = 0;  // distance along the first ray (m) of the position that the method takes for the sensor's
+  while (!unfinished.empty()) {
+    double nearestStart = reach;
+    for (const std::size_t i : unfinished) nearestStart = std::min(nearestStart, starts[i]);
+    if (nearestStart - anchor > kAnchorDistance) anchor = nearestStart;
+    std::vector<Ray> remaining;
+    remaining.reserve(unfinished.size());
+    for (const std::size_t i : unfinished) {
+      remaining.push_back({rays[i].from + rays[i].direction * starts[i], rays[i].direction});
+    }
+    const auto nextHits = first(remaining, reach - nearestStart, rays.front().from + rays.front().direction * anchor);
+    std::vector<std::size_t> further;
+    for (std::size_t k = 0; k < unfinished.size(); ++k) {
+      const std::size_t i = unfinished[k];
+      if (!nextHits[k] || starts[i] + nextHits[k]->distance > reach) continue;
+      hits[i].push_back(*nextHits[k]);
+      hits[i].back().distance += starts[i];
+      starts[i] = hits[i].back().distance + kBehindHit;
+      if (hits[i].size() < kMostHits && starts[i] < reach) further.push_back(i);
+    }
+    unfinished = std::move(further);
   }
   return hits;
 }
@@ -105,21 +119,27 @@ bool SceneGround::isGround(const SceneProbe::Hit& hit) const {
 std::optional<double> SceneGround::under(const Vec3d& position) const {
   if (bounds_.empty()) return std::nullopt;
   const double startHeight = bounds_.high.z + 1;
-  const auto hits = probe_.all({{position.x, position.y, startHeight}, kDown}, startHeight - bounds_.low.z + 1);
+  const auto hits =
+      probe_.all({{{position.x, position.y, startHeight}, kDown}}, startHeight - bounds_.low.z + 1).front();
   const SceneProbe::Hit* const ground = groundUnder(
       hits, position.z, [](const SceneProbe::Hit& hit) { return hit.position.z; },
       [&](const SceneProbe::Hit& hit) { return isGround(hit); });
   return ground == nullptr ? std::nullopt : std::optional(ground->position.z);
 }
 
-std::optional<double> SceneGround::near(const Vec3d& position) const {
-  std::optional<double> nearest;
-  for (const SceneProbe::Hit& hit : probe_.all({position - kDown * kNearGroundHeight, kDown}, 2 * kNearGroundHeight)) {
-    if (isGround(hit) && (!nearest || std::fabs(hit.position.z - position.z) < std::fabs(*nearest - position.z))) {
-      nearest = hit.position.z;
+std::vector<std::vector<double>> SceneGround::around(const std::vector<Vec3d>& points, double reach) const {
+  std::vector<SceneProbe::Ray> rays;
+  rays.reserve(points.size());
+  for (const Vec3d& point : points) rays.push_back({point - kDown * reach, kDown});
+  std::vector<std::vector<double>> heights;
+  heights.reserve(points.size());
+  for (const std::vector<SceneProbe::Hit>& hits : probe_.all(rays, 2 * reach)) {
+    heights.emplace_back();
+    for (const SceneProbe::Hit& hit : hits) {
+      if (isGround(hit)) heights.back().push_back(hit.position.z);
     }
   }
-  return nearest;
+  return heights;
 }
 
 }  // namespace scanmill

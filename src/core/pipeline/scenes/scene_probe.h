@@ -42,8 +42,9 @@ class SceneProbe {
   std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach,
                                         const std::optional<Vec3d>& anchor = {}) const;
   std::optional<Hit> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
-  // Returns the hits along a ray within `reach` (m), ordered by distance; at most the hundred nearest.
-  std::vector<Hit> all(const Ray& ray, double reach) const;
+  // Returns the hits along each ray within `reach` (m), ordered by distance; at most the hundred nearest. The rays must
+  // be parallel and start within about 30 m of each other.
+  std::vector<std::vector<Hit>> all(const std::vector<Ray>& rays, double reach) const;
 
  private:
   // Returns the distance (m) along a ray beyond which it does not hit the scene; may be negative.
@@ -63,7 +64,7 @@ class SceneGround : public Ground {
   SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes);
 
   std::optional<double> under(const Vec3d& position) const override;
-  std::optional<double> near(const Vec3d& position) const override;
+  std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const override;
 
  private:
   bool isGround(const SceneProbe::Hit& hit) const;

@@ -24,7 +24,7 @@ TEST_F(SceneGrounds, ProbesMeetWhatIsFirstAndAllThatIsBehind) {
   EXPECT_NEAR(hit->normal.z, 1, 1e-6);
   EXPECT_FALSE(probe_.first(down, 13.9).has_value());
   std::vector<double> heights;
-  for (const SceneProbe::Hit& m : probe_.all(down, 100)) heights.push_back(m.position.z);
+  for (const SceneProbe::Hit& m : probe_.all({down}, 100).front()) heights.push_back(m.position.z);
   EXPECT_THAT(heights, testing::Pointwise(testing::DoubleNear(1e-5), {6.0, 5.5, 0.0, -0.1}));
 }
 
@@ -46,9 +46,9 @@ TEST_F(SceneGrounds, ManyRaysMeetWhatEachMeetsAlone) {
 // Rays end with the scene, however far they are asked to go, and from wherever they come.
 TEST_F(SceneGrounds, FarRaysMeetWhatNearOnesMeet) {
   const SceneProbe::Ray down{{20, -40, 20}, {0, 0, -1}};
-  const auto near = probe_.all(down, 100);
+  const auto near = probe_.all({down}, 100).front();
   for (const double far : {1e3, 1e5}) {
-    const auto hit = probe_.all({down.from + Vec3d{0, 0, far}, down.direction}, 1e6);
+    const auto hit = probe_.all({{down.from + Vec3d{0, 0, far}, down.direction}}, 1e6).front();
     ASSERT_EQ(hit.size(), near.size());
     for (std::size_t i = 0; i < hit.size(); ++i) EXPECT_NEAR(hit[i].distance - far, near[i].distance, 1e-7 * far);
   }
@@ -67,11 +67,14 @@ TEST_F(SceneGrounds, UnderAPlaceIsTheHighestBelowOrTheLowestAbove) {
   EXPECT_FALSE(ground.under({500, 0, 0}).has_value());
 }
 
-TEST_F(SceneGrounds, NearAPlaceIsTheNearestInHeight) {
+TEST_F(SceneGrounds, AroundPointsAreAllHeightsWithinReach) {
   const SceneGround ground(probe_, {});
-  EXPECT_NEAR(*ground.near({20, -40, 6.7}), 6, 1e-5);
-  EXPECT_NEAR(*ground.near({20, -40, 0.9}), 0, 1e-5);
-  EXPECT_FALSE(ground.near({20, -40, 3}).has_value());
+  const auto heights = ground.around({{20, -40, 6.7}, {20, -40, 0.9}, {20, -40, 3}, {500, 0, 0}}, 1.5);
+  const auto near = [](double z) { return testing::DoubleNear(z, 1e-5); };
+  EXPECT_THAT(heights[0], testing::ElementsAre(near(6), near(5.5)));  // on the bridge
+  EXPECT_THAT(heights[1], testing::ElementsAre(near(0), near(-0.1)));
+  EXPECT_THAT(heights[2], testing::IsEmpty());
+  EXPECT_THAT(heights[3], testing::IsEmpty());
 }
 
 TEST_F(SceneGrounds, OfCertainClassesIsNothingElse) {
