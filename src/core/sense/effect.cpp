@@ -74,6 +74,8 @@ std::span<const EffectEntry> effects() {
        "retroreflectors; 255 is a surface that reflects this many times as much as a white target\n"
        "table: none, in place of `gain`, `gamma` and `saturation`: [[value, intensity], ...] with the value that the "
        "`model` gives, linear in its logarithm, constant outside\n"
+       "range_response: none, [[range in m, factor], ...]: factor on the value that the `model` gives, linear in the "
+       "logarithm of the range, constant outside, for units that correct the range's loss imperfectly\n"
        "floor: 0, received power that the sensor does not measure and that is taken off before the response: 1 is a "
        "white target at the reference range; fainter returns have the intensity 0\n"
        "noise: 0, standard deviation of the intensity, in parts of the full scale\n"

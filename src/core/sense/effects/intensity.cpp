@@ -27,11 +27,12 @@
 // Beckmann surface of the same alpha (GGX's slopes have no variance).
 //
 // The reported value is the power or, with `model: reflectivity`, the power of the same surface at the reference range
-// in clear air; other effects read the received power in both cases. The value is then multiplied by the fraction of
-// the received power that exceeds `floor`. The response to v = gain * value is min(v, saturation)^gamma for floats, and
-// 255 (min(v, saturation) / saturation)^gamma for bytes. With retro_full_scale the response is 100 v up to v = 1, and
-// 100 + 155 log(v) / log(retro_full_scale) above (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1). With
-// `table` the response is interpolated in log(value). Then `noise` is added and the sum rounded to multiples of `step`.
+// in clear air; other effects read the received power in both cases. The value is then multiplied by `range_response`,
+// which is interpolated in log(range), and by the fraction of the received power that exceeds `floor`. The response to
+// v = gain * value is min(v, saturation)^gamma for floats, and 255 (min(v, saturation) / saturation)^gamma for bytes.
+// With retro_full_scale the response is 100 v up to v = 1, and 100 + 155 log(v) / log(retro_full_scale) above (Velodyne,
+// VLP-16 User Manual 63-9243 Rev. D, section 6.1). With `table` the response is interpolated in log(value). Then `noise`
+// is added and the sum rounded to multiples of `step`.
 
 #include <algorithm>
 #include <cfloat>
@@ -48,6 +49,25 @@ namespace {
 constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive index 1.5, as in glTF
 
+// A function of a positive number: pairs of the number's natural logarithm, ascending, and the function's value.
+using LogTable = std::vector<std::pair<double, double>>;
+
+// Returns a function's value at x by linear interpolation over log(x); constant outside of the table. Does not search:
+// adds, to the first value, each interval's rise up to x.
+double interpolated(const LogTable& table, float x) {
+  const double logarithm = naturalLog(x > FLT_MIN ? x : FLT_MIN);
+  double sum = table.front().second;
+  for (std::size_t k = 1; k < table.size(); ++k) {
+    const auto& [low, valueAtLow] = table[k - 1];
+    const auto& [high, valueAtHigh] = table[k];
+    double fraction = (logarithm - low) / (high - low);
+    fraction = fraction > 0 ? fraction : 0;
+    fraction = fraction < 1 ? fraction : 1;
+    sum += fraction * (valueAtHigh - valueAtLow);
+  }
+  return sum;
+}
+
 struct IntensityOptions {
   float referenceRange = 10;  // m, range at which a white diffuse target has the power 1
   float nearRange = 1;        // m, targets nearer than this have the power that they would have at this range
@@ -58,11 +78,12 @@ struct IntensityOptions {
   bool bytes = false;
   bool reflectivity = false;  // true: reports the power that a hit at the reference range would give in clear air
   bool orenNayar = false;
-  double retroFullScale = 0;                     // `retro_full_scale`; 0: bytes are proportional to the response
-  std::vector<std::pair<double, double>> table;  // natural logarithm of the value, intensity; empty: no table
-  float floor = 0;                               // received power that the sensor does not measure
-  double noise = 0;                              // standard deviation, as a fraction of the full scale
-  double step = 0;                               // rounding step, as a fraction of the full scale; 0: none
+  double retroFullScale = 0;  // `retro_full_scale`; 0: bytes are proportional to the response
+  LogTable table;             // intensity by value; empty: no table
+  LogTable rangeResponse;     // factor on the value by range (m); empty: 1
+  float floor = 0;            // received power that the sensor does not measure
+  double noise = 0;           // standard deviation, as a fraction of the full scale
+  double step = 0;            // rounding step, as a fraction of the full scale; 0: none
 };
 
 // How a material reflects light back along the beam: the diffuse reflectance is matt * reflectance, and F0 (reflectance
@@ -233,6 +254,13 @@ class Intensity : public Effect {
     const float* const power = returns.power.data() + first;
     float* const intensity = returns.intensity.data() + first;
     const float* value = o_.reflectivity ? reflectivity : power;
+    if (!o_.rangeResponse.empty()) {
+      const float* const range = returns.range.data() + first;
+      for (std::size_t i = 0; i < count; ++i) {
+        reflectivity[i] = value[i] * static_cast<float>(interpolated(o_.rangeResponse, range[i]));
+      }
+      value = reflectivity;
+    }
     if (o_.floor > 0) {
       subtractFloor(value, power, count, reflectivity);
       value = reflectivity;
@@ -362,20 +390,9 @@ class Intensity : public Effect {
     }
   }
 
-  // Interpolates in the table without a search: adds, to the first intensity, each interval's rise up to the value.
   void respondByTable(const float* value, std::size_t count, float* intensity) const {
     for (std::size_t i = 0; i < count; ++i) {
-      const double logarithm = naturalLog(value[i] > FLT_MIN ? value[i] : FLT_MIN);
-      double sum = o_.table.front().second;
-      for (std::size_t k = 1; k < o_.table.size(); ++k) {
-        const auto& [low, intensityAtLow] = o_.table[k - 1];
-        const auto& [high, intensityAtHigh] = o_.table[k];
-        double fraction = (logarithm - low) / (high - low);
-        fraction = fraction > 0 ? fraction : 0;
-        fraction = fraction < 1 ? fraction : 1;
-        sum += fraction * (intensityAtHigh - intensityAtLow);
-      }
-      intensity[i] = value[i] > FLT_MIN ? static_cast<float>(sum) : 0.0f;
+      intensity[i] = value[i] > FLT_MIN ? static_cast<float>(interpolated(o_.table, value[i])) : 0.0f;
     }
   }
 
@@ -406,23 +423,24 @@ class Intensity : public Effect {
   IntensityOptions o_;
 };
 
-// Returns the rows of the option `table`: the natural logarithm of each value, ascending, and its intensity.
-std::vector<std::pair<double, double>> readResponse(const Value& table, double fullScale) {
-  const std::string option = "effect intensity: table";
-  if (table.kind != Value::Kind::Sequence || table.items.size() < 2) {
-    throw InputError(table.where, option + " must be a list of at least two pairs [value, intensity]");
+// Reads an option that is a list of pairs such as "[value, intensity]" (`pairNames`); empty if the option is absent.
+// `most`: the largest second number of a pair.
+LogTable readLogTable(const Fields& options, const char* key, const char* pairNames, double most) {
+  const Value* const list = options.find(key);
+  if (list == nullptr) return {};
+  const std::string option = std::string("effect intensity: ") + key;
+  if (list->kind != Value::Kind::Sequence || list->items.size() < 2) {
+    throw InputError(list->where, "{} must be a list of at least two pairs {}", option, pairNames);
   }
-  std::vector<std::pair<double, double>> rows;
-  for (const Value& item : table.items) {
+  LogTable rows;
+  for (const Value& item : list->items) {
     const std::vector<double> pair = readNumbers(item, option, {0, 1e30});
-    if (pair.size() != 2) throw InputError(item.where, option + ": each row is [value, intensity]");
+    if (pair.size() != 2) throw InputError(item.where, "{}: each row is {}", option, pairNames);
     const double logarithm = naturalLog(std::max(pair[0], 1e-30));
     if (pair[0] < 1e-30 || (!rows.empty() && logarithm <= rows.back().first)) {
-      throw InputError(item.where, option + ": values must be above 0 and rise from row to row");
+      throw InputError(item.where, "{}: the first numbers must be above 0 and rise from row to row", option);
     }
-    if (pair[1] > fullScale) {
-      throw InputError(item.where, option + ": with `output: u8` intensities are at most 255");
-    }
+    if (pair[1] > most) throw InputError(item.where, "{}: the second numbers must be at most {:g}", option, most);
     rows.emplace_back(logarithm, pair[1]);
   }
   return rows;
@@ -445,7 +463,8 @@ std::unique_ptr<Effect> makeIntensity(Fields& options) {
   const Value* retro = options.find("retro_full_scale");
   if (retro != nullptr) o.retroFullScale = options.number("retro_full_scale", {1.01, 1e9});
   const Value* table = options.find("table");
-  if (table != nullptr) o.table = readResponse(*table, o.bytes ? 255 : 1e30);
+  o.table = readLogTable(options, "table", "[value, intensity]", o.bytes ? 255 : 1e30);
+  o.rangeResponse = readLogTable(options, "range_response", "[range in m, factor]", 1e6);
   o.floor = static_cast<float>(options.number("floor", {0, 1e6}, 0));
   o.noise = options.number("noise", {0, 1}, 0);
   o.step = options.number("step", {0, 1}, 0);

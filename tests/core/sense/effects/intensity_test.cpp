@@ -258,6 +258,19 @@ TEST(Intensity, ResponseTable) {
   EXPECT_EQ(intensityAt(10, 1, matt(1), "{output: u8, table: [[0.01, 3], [0.1, 99.6]]}"), 100);
 }
 
+// The factor at a range multiplies what the model gives there, and does not change the received power.
+TEST(Intensity, RangeResponse) {
+  const std::string response = ", range_response: [[5, 2], [20, 0.5]]}";
+  for (const std::string model : {"power", "reflectivity"}) {
+    for (const auto& [range, factor] :
+         {std::pair{3.0f, 2.0f}, {5.0f, 2.0f}, {10.0f, 1.25f}, {20.0f, 0.5f}, {80.0f, 0.5f}}) {
+      const std::string options = "{floor: 0.001, model: " + model;
+      const float plain = intensityAt(range, 1, matt(0.3f), options + "}");
+      EXPECT_NEAR(intensityAt(range, 1, matt(0.3f), options + response) / plain, factor, 1e-6f) << model << range;
+    }
+  }
+}
+
 // The floor is compared with the received power: dark surfaces near and bright ones far report 0 alike, whatever the
 // model, and the returns stay.
 TEST(Intensity, FloorOfTheReceivedPower) {
