@@ -140,17 +140,22 @@ Rows fileRows(const char* folder) {
 }
 
 Rows sensorRows() {
-  Rows rows{{"name", "model", "beams", "scans/s", "points/s", "field (deg)", "range (m)", "effects"}};
+  Rows rows{
+      {"name", "model", "beams", "scans/s", "points/s", "field (deg)", "range (m)", "origins", "effects", "intensity"}};
   for (const std::vector<std::string>& file : fileRows("pipelines/sensors")) {
     const Value value = readYaml(file.back());
     const std::shared_ptr<const BeamTable> beams = makeBeams(value);
     const std::array<double, 2> field = fieldOf(*beams);
+    const bool hasEffects = value.find("effects") != nullptr;
     rows.push_back({file.front(), beams->model, fmt::format("{} x {}", beams->rings, beams->columns),
                     fmt::format("{:.4g}", 1 / beams->period),
                     fmt::format("{:.0f}", static_cast<double>(beams->size()) / beams->period),
                     fmt::format("{:.3g} x {:.3g}", field[0], field[1]),
                     fmt::format("{:g} to {:g}", beams->minRange, beams->maxRange),
-                    value.find("effects") == nullptr ? "" : "its own"});
+                    beams->origin.empty() ? "" : "stated", hasEffects ? "its own" : "",
+                    !hasEffects                               ? ""
+                    : value.find("intensity_from") == nullptr ? "estimate"
+                                                              : "from scans"});
   }
   return rows;
 }
@@ -260,7 +265,10 @@ int runList(const std::vector<std::string>& arguments) {
   if (kind == kDevices) printDevices();
   if (kind == "sensors") {
     printText(
-        "\n'its own': the file says what the sensor's receiver makes of its hits; `effects: sensor` uses it.\n"
+        "\norigins 'stated': the file says where beams start; otherwise they start at the sensor's origin.\n"
+        "effects 'its own': the file says what the sensor's receiver makes of its hits; `effects: sensor` uses it.\n"
+        "intensity 'estimate': the curve follows a manual and estimates, and was not compared with scans of the "
+        "sensor.\n"
         "A pipeline may change any key beside `preset`, such as columns and rate_hz.\n");
   }
   if (kind == "methods") printCapabilities();

@@ -183,7 +183,7 @@ const std::initializer_list<std::string_view> kSensorKeys = {
     "field_deg",       "calibration",     "pattern",       "rosette",     "raster",         "sweep_ms",
     "beams",           "elevation_deg",   "ring_order",    "range_m",     "firing_time_us", "azimuth_offset_deg",
     "origin_offset_m", "origin_height_m", "origin_left_m", "origin_up_m", "exit_width_mm",  "turns_while_firing",
-    "divergence_mrad", "beam_shape",      "pulse_ns",      "effects"};
+    "divergence_mrad", "beam_shape",      "pulse_ns",      "effects",     "intensity_from"};
 
 // Throws InputError if the sensor has one of `otherKeys` or a key of rings on cones, which have no effect beside `key`.
 void refuseBeside(Fields& fields, const char* key, std::initializer_list<std::string_view> otherKeys) {
@@ -403,6 +403,7 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   table->exitWidth = readWidths(fields, "exit_width_mm", 1000);
   table->uniformBeam = fields.choice("beam_shape", {"gaussian", "uniform"}, "gaussian") == "uniform";
   table->pulse = fields.number("pulse_ns", {0, 1e4}, 0) * 1e-9;
+  fields.choice("intensity_from", {"scans", "estimate"}, "estimate");  // for `scanmill list sensors` alone
   fields.also({"columns", "calibration", "effects"}).finish();
 
   fillBeams(*table);
