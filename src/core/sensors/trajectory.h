@@ -133,6 +133,11 @@ class Trajectory {
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bareFraction() : 0; }
+  // Returns the mean distance (m) by which the default for waypoints moves the path up or down to the ground; 0 before
+  // onGround() and for others.
+  double shiftByDefault() const {
+    return profileOfGround_ && groundOptions_->onlyIfAtGround ? profileOfGround_->meanClearance() : 0;
+  }
 
  private:
   friend Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes,

@@ -21,6 +21,7 @@ namespace {
 // Limits beyond which positions and paths are unusual, chosen by eye.
 constexpr double kMostHeight = 50;       // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnSurface = 0.05;      // m; a sensor at most this far from a surface causes a warning
+constexpr double kMostShift = 0.1;       // m; waypoints that are farther from the ground on average cause a warning
 constexpr double kMostBareShare = 0.02;  // a path causes a warning if a larger fraction of it has no ground
 // Height (m) of the vehicle's underside above the ground, unless half of the vehicle's height is less. The vehicle can
 // drive over lower obstacles.
@@ -89,6 +90,12 @@ class PathCheck {
     if (trajectory_->bareShare() > kMostBareShare) {
       report(fmt::format("{:.0f} % of its path has no ground below or above: it keeps its height there",
                          100 * trajectory_->bareShare()));
+    }
+    if (trajectory_->shiftByDefault() > kMostShift) {
+      report(
+          fmt::format("the vehicle stands on the ground, {} from its waypoints on average: `ground: none` keeps "
+                      "their heights",
+                      shortLength(trajectory_->shiftByDefault())));
     }
     return std::move(warnings_);
   }

@@ -49,6 +49,12 @@ TEST_F(PathWarnings, TellOfSensorsUnderTheGround) {
                              Not(HasSubstr("`mount`")))));
 }
 
+TEST_F(PathWarnings, TellOfWaypointsThatAreMovedToTheGround) {
+  EXPECT_THAT(warnings({drive("[[-10, 0, 0.3], [10, 0, 0.3]]")}),
+              ElementsAre(AllOf(HasSubstr("30 cm from its waypoints"), HasSubstr("`ground: none`"))));
+  EXPECT_THAT(warnings({drive("[[-10, 0, 0.3], [10, 0, 0.3]]", ", ground: none")}), IsEmpty());
+}
+
 TEST_F(PathWarnings, TellOfSensorsFarAboveAndBeside) {
   EXPECT_THAT(warnings({drive("[[-10, 0, 90], [10, 0, 90]]")}),
               ElementsAre(AllOf(HasSubstr("more than 50 m above"), HasSubstr("(91.8 m)"), HasSubstr("unit"))));
