@@ -93,9 +93,9 @@ class PathCheck {
     }
     if (trajectory_->shiftByDefault() > kMostShift) {
       report(
-          fmt::format("the vehicle stands on the ground, {} from its waypoints on average: `ground: none` keeps "
+          fmt::format("the vehicle stands on the ground, {:.2f} m from its waypoints on average: `ground: none` keeps "
                       "their heights",
-                      shortLength(trajectory_->shiftByDefault())));
+                      trajectory_->shiftByDefault()));
     }
     return std::move(warnings_);
   }

@@ -51,7 +51,7 @@ TEST_F(PathWarnings, TellOfSensorsUnderTheGround) {
 
 TEST_F(PathWarnings, TellOfWaypointsThatAreMovedToTheGround) {
   EXPECT_THAT(warnings({drive("[[-10, 0, 0.3], [10, 0, 0.3]]")}),
-              ElementsAre(AllOf(HasSubstr("30 cm from its waypoints"), HasSubstr("`ground: none`"))));
+              ElementsAre(AllOf(HasSubstr("0.30 m from its waypoints"), HasSubstr("`ground: none`"))));
   EXPECT_THAT(warnings({drive("[[-10, 0, 0.3], [10, 0, 0.3]]", ", ground: none")}), IsEmpty());
 }
 
