@@ -66,7 +66,7 @@ constexpr OfKinds kBushes     {{{2, 6},      {1, 5},      {0, 0.8},    {0, 0.4},
 constexpr OfKinds kWoods      {{{0.3, 0.8},  {0.4, 0.8},  {0.05, 0.3}, {0.05, 0.2}, {0.05, 0.3}, {0.5, 0.85}, {0.3, 0.7},  {0.3, 0.8},  {0, 0}}};
 constexpr OfKinds kForecourts {{{0, 0},      {0.3, 0.65}, {0, 0},      {0, 0},      {0, 0},      {0.1, 0.4},  {0.5, 0.9},  {0, 0},      {0, 0}}};
 constexpr OfKinds kParked     {{{0, 0.1},    {0.2, 0.6},  {0.15, 0.6}, {0.5, 1},    {0.1, 0.5},  {0.05, 0.4}, {0.2, 0.7},  {0, 0},      {0.3, 0.3}}};
-constexpr OfKinds kTraffic    {{{0.8, 2},    {2, 4},      {2, 4},      {1, 2.5},    {0.2, 0.8},  {2, 4},      {2, 4},      {0.8, 2.5},  {3, 3}}};  // per 100 m and lane
+constexpr OfKinds kTraffic    {{{0.05, 2},   {0.1, 4},    {0.1, 4},    {0.1, 3},    {0.05, 1},   {0.2, 4},    {0.2, 4},    {0.4, 2.5},  {3, 3}}};  // per 100 m and lane
 constexpr OfKinds kSpeed      {{{15, 24},    {8.3, 13.9}, {8.3, 13.9}, {11, 13.9},  {5, 8.3},    {13.9, 16.7},{11, 13.9},  {24, 33},    {13.9, 13.9}}};  // m/s
 constexpr OfKinds kPeople     {{{0, 1.5},    {1, 6},      {4, 14},     {5, 16},     {4, 14},     {1, 5},      {1, 4},      {0, 0},      {8, 12}}};  // per 100 m
 constexpr OfKinds kClutter    {{{1, 4},      {3, 9},      {6, 16},     {8, 18},     {6, 16},     {2, 7},      {2, 6},      {0, 0.5},    {8, 12}}};  // per 100 m
@@ -187,7 +187,9 @@ Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(k
   const double fullness = draw.next();  // squared below: few towns are full of parked vehicles
   const auto& [leastParked, mostParked] = random.interval(property::kParked);
   parked = std::min(0.95, p.vehicles * models::lerp(leastParked, mostParked, fullness * fullness));
-  traffic = p.vehicles * p.traffic * random.number(property::kTraffic);
+  const double business = draw.next();  // cubed below: half of the towns are nearly without traffic, few are busy
+  const auto& [leastTraffic, mostTraffic] = random.interval(property::kTraffic);
+  traffic = p.vehicles * p.traffic * models::lerp(leastTraffic, mostTraffic, business * business * business);
   speed = random.number(property::kSpeed);
   people = p.people * random.number(property::kPeople);
   clutter = random.number(property::kClutter);
