@@ -1,6 +1,6 @@
 #include "study/compare/compare.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <filesystem>
@@ -24,9 +24,17 @@ constexpr const char* kComparisonFile = "compare.json";
 constexpr const char* kPageFile = "index.html";
 constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; each takes about 2 MB of memory
 
-// Prints three tables: features of patches, figures of the sets, and settings to try.
+// Prints four tables: how the sensors stand, features of patches, figures of the sets, and settings to try.
 void printComparison(const SetComparison& comparison) {
-  Rows rows{{"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
+  Rows rows{{"how the sensor stands", "real", "simulated", "simulated against real"}};
+  for (std::size_t f = 0; f < kRoadFigureCount; ++f) {
+    const RoadPoses &real = comparison.real.roadPose, &simulated = comparison.simulated.roadPose;
+    if (std::isnan(real[f].median) && std::isnan(simulated[f].median)) continue;
+    rows.push_back({std::string(kRoadFigures[f].title), spreadText(real[f], kRoadFigures[f].unit),
+                    spreadText(simulated[f], kRoadFigures[f].unit), differenceText(f, real, simulated)});
+  }
+  if (rows.size() > 1) printText("{}\n", formatTable(rows));
+  rows = {{"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
   for (const Separation& s : comparison.features) {
     const ComparedFigure& f = kPatchFeatures[s.feature];
     const double withinReal = comparison.withinReal[s.feature];
@@ -50,11 +58,10 @@ void printComparison(const SetComparison& comparison) {
   if (comparison.advice.empty()) return printText("settings to try: none. {}\n\n", comparison.unadvised);
   rows = {{"to try", "now", "try", "for"}};
   for (const KeyChange& a : comparison.advice) {
-    rows.push_back({fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.currentValue), nextText(a),
-                    std::string(a.figure.title)});
+    rows.push_back({a.key, a.current.text(), nextText(a), std::string(a.figure.title)});
   }
   printText("{}to change all at once, add to the options that made the set: --set '{}'\n\n", formatTable(rows),
-            comparison.assignment);
+            fmt::join(comparison.assignments, "' --set '"));
 }
 
 }  // namespace

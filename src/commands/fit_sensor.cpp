@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "base/file.h"
@@ -10,9 +11,30 @@
 #include "commands/arguments.h"
 #include "commands/command.h"
 #include "commands/recorded_scans.h"
+#include "study/compare/road_pose.h"
 #include "study/figure_text.h"
 
 namespace scanmill {
+
+namespace {
+
+// Prints how the sensor stands over its ground, and the mount for a pipeline, if the scans show the ground.
+void printMount(const std::vector<Scan>& scans) {
+  std::vector<RoadPose> poses;
+  poses.reserve(scans.size());
+  for (const Scan& scan : scans) poses.push_back(roadPoseOf(scan, nullptr));
+  const RoadPoses spreads = spreadsOf(poses, std::vector<std::string>(scans.size()));
+  const double height = toHundredths(spreads[kHeight].median), pitch = toHundredths(spreads[kPitch].median);
+  const double roll = toHundredths(-spreads[kLaneSlope].median);
+  if (std::isnan(height) || std::isnan(roll)) return;
+  printText(
+      "{0:g} m above the ground within 12 m, looking {1:g} deg down on it; the left side is raised by {2:g} deg over "
+      "the "
+      "own lane:\nin a pipeline, mount: {{position: [0, 0, {0:g}], pitch_deg: {1:g}, roll_deg: {2:g}}}\n",
+      height, pitch, roll);
+}
+
+}  // namespace
 
 int runFitSensor(const std::vector<std::string>& arguments) {
   CommandOptions options("fit-sensor");
@@ -46,6 +68,7 @@ int runFitSensor(const std::vector<std::string>& arguments) {
         "other rings: name more scans",
         fit.bareRings.size(), fit.bareRings.front());
   }
+  printMount(scans);
   std::string yaml =
       sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {}", grouped(fit.points), scans.size(), today()));
   if (const auto response = responseOf(scans, parsed)) yaml += "effects:\n" + response->yaml;

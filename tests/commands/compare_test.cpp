@@ -37,12 +37,37 @@ TEST_F(CompareCommand, WritesAPageAndFiguresThatNameTheDifference) {
   EXPECT_EQ(result["grouped_by"], "class");
   EXPECT_EQ(result["real"]["name"], "plain");
   EXPECT_EQ(result["real"]["scans"], 4);
+}
 
-  const Outcome same = scanmill({"compare", at("plain"), at("plain"), "-o", at("same"), "--scans", "2", "-q"});
-  ASSERT_EQ(same.code, 0) << same.error;
-  for (const auto& feature : nlohmann::json::parse(readFile(at("same/compare.json")))["features"]) {
-    EXPECT_EQ(feature["strength"], 0);
-    EXPECT_EQ(feature["area"], 0.5);
+// Followed, the advice leaves nothing to advise.
+TEST_F(CompareCommand, LeadsToTheMountOfTheFirstSet) {
+  const auto make = [&](const std::string& name, const std::string& mount, const std::string& ground = "drop") {
+    const std::vector<std::string> settings{"trajectories.0.ground=" + ground, "sensors.0.columns=256", mount};
+    EXPECT_EQ(scanmill(withSettings({"generate", pipeline_, "-o", at(name), "-q"}, settings)).code, 0);
+  };
+  const auto comparedWith = [&](const std::string& name) {
+    const Outcome compared = scanmill({"compare", at("tilted"), at(name), "-o", at("out"), "--overwrite", "-q"});
+    EXPECT_EQ(compared.code, 0) << compared.error;
+    EXPECT_EQ(compared.error.find("`ground: drop`") != std::string::npos, name == "without_wheels");
+    return nlohmann::json::parse(readFile(at("out/compare.json")));
+  };
+  make("tilted", "sensors.0.mount={position: [0, 0, 2], pitch_deg: 2, roll_deg: 1}");
+  make("upright", "sensors.0.mount={position: [0, 0, 1.8]}");
+  make("without_wheels", "sensors.0.mount={position: [0, 0, 1.8]}", "{wheels: none}");
+  const nlohmann::json result = comparedWith("upright");
+  ASSERT_GE(result["advice"].size(), 3u) << result["unadvised"];
+  EXPECT_EQ(result["road_pose"][0]["figure"], "pitch");
+  EXPECT_NEAR(result["road_pose"][0]["real"]["median"].get<double>(), 2, 0.05);
+  EXPECT_EQ(result["advice"][1]["key"], "sensors.0.mount.pitch_deg");
+  EXPECT_EQ(result["advice"][1]["now"], 0);
+  EXPECT_NEAR(result["advice"][1]["try"].get<double>(), 2, 0.05);
+  EXPECT_THAT(readFile(at("out/index.html")), HasSubstr("How the sensor stands"));
+  make("advised", result["set"][0]);
+  for (const auto& change : comparedWith("advised")["advice"]) {
+    EXPECT_THAT(change["key"].get<std::string>(), Not(HasSubstr("mount")));
+  }
+  for (const auto& change : comparedWith("without_wheels")["advice"]) {
+    EXPECT_THAT(change["key"].get<std::string>(), Not(HasSubstr("roll_deg")));
   }
 }
 

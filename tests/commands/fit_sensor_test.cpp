@@ -16,7 +16,8 @@ TEST_F(FitSensorCommand, WritesAFileThatIsASensor) {
   ASSERT_EQ(fit.code, 0) << fit.error;
   EXPECT_THAT(fit.out,
               AllOf(HasSubstr("fitted to 107,647 points of 1 scans: 128 rings x 1024 columns over a full turn"),
-                    HasSubstr("fit-noise"), HasSubstr("origin_offset_m: 0.0158")));
+                    HasSubstr("fit-noise"), HasSubstr("origin_offset_m: 0.0158"),
+                    HasSubstr("mount: {position: [0, 0, 1.99], pitch_deg: -0.")));
   EXPECT_THAT(scanmill({"info", at("unit.yaml")}).out, HasSubstr("128"));
   expectRefused(scanmill({"fit-sensor", frame, "-o", at("unit.yaml")}), "--overwrite");
 }

@@ -49,6 +49,8 @@ class ScanStore {
   const Manifest* manifest() const { return manifest_.get(); }  // null: the scans have no manifest
   // Returns the classes of the labels, from the manifest or the layout; null if they are unknown.
   const Ontology* ontology() const;
+  // Returns the azimuth (rad) of the vehicle's heading in the frame of the scans of a sensor that looks ahead.
+  double heading() const { return recorded_ ? recorded_->heading : 0; }
   std::filesystem::path folder() const { return folder_; }  // folder of the manifest
   // Returns the beam table of a sensor, filled by fillBeams() if it has at most 2^23 beams; null if the sensor's beams
   // are unknown. `time`: time of the scan (s), for sensors whose beams differ from scan to scan.

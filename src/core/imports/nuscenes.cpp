@@ -82,7 +82,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
     const auto file = labels.find(token);
     return file == labels.end() ? fs::path() : root / file->second;
   };
-  ScanFolder nuScenes{.layout = "nuscenes", .sensor = "LIDAR_TOP"};
+  ScanFolder nuScenes{.layout = "nuscenes", .sensor = "LIDAR_TOP", .heading = kPi / 2};
   std::size_t missingScans = 0;
   readTable(tables / kScanTable, [&](const Json& row) {
     if (!row.value("is_key_frame", false) || !row.value("filename", "").ends_with(".pcd.bin")) return;

@@ -25,6 +25,7 @@ struct ScanFolder {
   std::string sensor;  // sensor's name, such as "velodyne"; empty: the layout does not name the sensor
   std::optional<Ontology> ontology = {};  // classes of the labels; none: unknown, or no labels
   std::vector<FolderScan> scans = {};     // ordered by key
+  double heading = 0;                     // azimuth (rad) of the vehicle's heading in the frame of the points
 };
 
 // Finds the scans in a folder, with the first layout that fits. The folder may be a dataset's root or a part of the

@@ -24,10 +24,6 @@ void addWords(Json& list, const char* key, std::span<const ComparedFigure> figur
   }
 }
 
-std::string_view endText(const KeyChange& advice) {
-  return !advice.isEnd ? "" : advice.suggestedValue > advice.currentValue ? " (the most)" : " (the least)";
-}
-
 // Returns a chart with a row per feature: its separation of the two sets, and of two halves of the real set.
 Chart featureChart(const SetComparison& comparison) {
   Chart chart{.name = "features",
@@ -82,17 +78,23 @@ std::string figureText(double value, double factor, std::string_view unit) {
   return fmt::format("{:.3g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
 }
 
+std::string spreadText(const FigureSpread& spread, std::string_view unit) {
+  return std::isnan(spread.median) ? "-" : fmt::format("{:.2f} ± {:.2f} {}", spread.median, spread.spread, unit);
+}
+
 std::string nextText(const KeyChange& advice) {
-  return fmt::format("{:g}{}", advice.suggestedValue, endText(advice));
+  const bool isMost = advice.suggested.mean > advice.current.mean;
+  return advice.suggested.text() + (!advice.isEnd ? "" : isMost ? " (the most)" : " (the least)");
 }
 
 std::string comparisonPage(const SetComparison& comparison, const std::string& date) {
   Json page = parseJson(comparisonJson(comparison, date), "compare.json");
+  addWords(page["road_pose"], "figure", kRoadFigures);
   addWords(page["features"], "feature", kPatchFeatures);
   addWords(page["figures"], "figure", kSetFigures);
   page["definitions"] = Json::array();
   for (const std::span<const ComparedFigure> figures :
-       {std::span<const ComparedFigure>(kPatchFeatures), {kSetFigures}}) {
+       {std::span<const ComparedFigure>(kRoadFigures), {kPatchFeatures}, {kSetFigures}}) {
     for (const ComparedFigure& f : figures) page["definitions"].push_back({{"title", f.title}, {"meaning", f.meaning}});
   }
   for (Json& feature : page["features"]) {
@@ -106,10 +108,11 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   page.erase("figures");
   for (std::size_t i = 0; i < comparison.advice.size(); ++i) {
     const KeyChange& change = comparison.advice[i];
-    page["advice"][i].update({{"real", change.figure.real},
+    page["advice"][i].update({{"now", change.current.text()},
+                              {"try", nextText(change)},
+                              {"real", change.figure.real},
                               {"simulated", change.figure.simulated},
-                              {"unit", change.figure.unit},
-                              {"end", endText(change)}});
+                              {"unit", change.figure.unit}});
   }
   for (Json& group : page["groups"]) {
     addWords(group["features"], "feature", kPatchFeatures);

@@ -297,12 +297,40 @@ OrderedJson separationJson(const Separation& s) {
           {"simulated_patches", s.simulated}};
 }
 
+OrderedJson valueJson(const KeyValue& value) {
+  if (value.deviation == 0) return value.mean;
+  return {{"normal", {value.mean, value.deviation}}};
+}
+
 OrderedJson changeJson(const KeyChange& change) {
-  return {{"effect", change.effect},
-          {"key", change.key},
+  return {{"key", change.key},
           {"figure", change.figure.title},
-          {"now", change.currentValue},
-          {"try", change.suggestedValue}};
+          {"now", valueJson(change.current)},
+          {"try", valueJson(change.suggested)}};
+}
+
+// Returns null if no scan shows the figure.
+OrderedJson spreadJson(const FigureSpread& spread) {
+  if (std::isnan(spread.median)) return nullptr;
+  return {{"median", spread.median},
+          {"spread", spread.spread},
+          {"lower_quartile", spread.lowerQuartile},
+          {"upper_quartile", spread.upperQuartile},
+          {"spread_over_sequences", spread.overSequences}};
+}
+
+// Returns the figures that at least one set shows.
+OrderedJson roadPoseJson(const RoadPoses& real, const RoadPoses& simulated) {
+  OrderedJson rows = OrderedJson::array();
+  for (std::size_t f = 0; f < kRoadFigureCount; ++f) {
+    if (std::isnan(real[f].median) && std::isnan(simulated[f].median)) continue;
+    rows.push_back({{"figure", kRoadFigures[f].name},
+                    {"unit", kRoadFigures[f].unit},
+                    {"real", spreadJson(real[f])},
+                    {"simulated", spreadJson(simulated[f])},
+                    {"difference", differenceText(f, real, simulated)}});
+  }
+  return rows;
 }
 
 // Returns the bands as a JSON array. `suffix`: appended to the keys of the values.
@@ -327,6 +355,10 @@ SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
         fmt::format("{} has {} rings, but {} has {}: the patches of different sensors differ already by their beams, "
                     "so compare scans of one sensor",
                     result.real.name, result.real.rows, result.simulated.name, result.simulated.rows));
+  }
+  const auto isMeasured = [](const ScanSet& set) { return !std::isnan(set.roadPose[kHeight].median); };
+  if (!result.byClass || !isMeasured(result.real) || !isMeasured(result.simulated)) {
+    for (ScanSet* set : {&result.real, &result.simulated}) set->roadPose = set->roadPoseByShape;
   }
   const std::vector<SeparationSums> sums = separateFeatures(result, realGroups, simulatedGroups);
   for (std::size_t f = 0; f < kFeatureCount; ++f) {
@@ -372,10 +404,11 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                          {"grouped_by", comparison.byClass ? "class" : "shape"},
                          {"warnings", comparison.warnings},
                          {"unknown_classes", comparison.unknownClasses},
+                         {"road_pose", roadPoseJson(comparison.real.roadPose, comparison.simulated.roadPose)},
                          {"figures", figures},
                          {"features", features},
                          {"advice", arrayOf(comparison.advice, changeJson)},
-                         {"set", comparison.assignment},
+                         {"set", comparison.assignments},
                          {"unadvised", comparison.unadvised},
                          {"groups", groups},
                          {"ranges", bandsJson(comparison.ranges, "_share")},

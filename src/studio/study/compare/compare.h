@@ -16,6 +16,7 @@
 #include "scan/scan.h"
 #include "scene/ontology.h"
 #include "study/compare/patches.h"
+#include "study/compare/road_pose.h"
 
 namespace scanmill {
 
@@ -32,11 +33,10 @@ inline constexpr auto kSetFigures = std::to_array<ComparedFigure>({
     {"missing_single", "of these single", "%", 100, "between two returns", "dropout (probability), detection (noise)"},
     {"near", "points within 5 m", "%", 100, "of all points", "the sensor's mount, the ego vehicle, narrow streets"},
     {"median_range", "median range", "m", 1, "of all points", "how near the scene's things stand; the sensor's mount"},
-    {"ground_slope", "slope of the ground", "%", 100,
-     "of the plane through the ground within 40 m (what lies within 0.5 m of the lowest points), mean over scans",
-     "the scene's ground"},
     {"ground_residual", "ground about one plane", "mm", 1000,
-     "deviation of the ground within 40 m from that plane, mean over scans", "the scene's ground"},
+     "deviation of the ground within 40 m (what lies within 0.5 m of the lowest points) from its plane, mean over "
+     "scans",
+     "the scene's ground"},
     {"ground_relief", "relief of the ground", "mm", 1000,
      "deviation of heights in cells of 0.5 m about their own plane, median over cells", "effects relief, range_noise"},
     {"ground_relief_90", "relief of rough ground", "mm", 1000, "the same, 90th percentile over cells",
@@ -76,6 +76,9 @@ struct ScanSet {
   std::optional<Ontology> ontology{};
   // Values in the order of kSetFigures; NaN if the scans do not show the figure.
   std::array<double, kSetFigureCount> figures{};
+  // How the sensor stands. compareSets() sets `roadPose` to `roadPoseByShape` unless the road's class is known in both
+  // sets.
+  RoadPoses roadPose{}, roadPoseByShape{};
   Patches patches{};  // intensities in them are divided by the set's median
 };
 
@@ -126,13 +129,21 @@ struct FigurePair {
   double ratio() const { return real / simulated; }
 };
 
+// The value of a key: a number, or a normal distribution of numbers if the deviation is not 0.
+struct KeyValue {
+  double mean = 0, deviation = 0;
+
+  bool operator==(const KeyValue&) const = default;
+  std::string text() const;  // returns the value as YAML, such as "0.07" or "{normal: [0.66, 0.34]}"
+};
+
 // A key of the simulated pipeline and a better value for it.
 struct KeyChange {
-  std::string_view effect, key;  // an effect of the pipeline, and a key of this effect
-  FigurePair figure;             // the figure in kPatchFeatures or kSetFigures that suggests the change
-  double currentValue = 0;
-  double suggestedValue = 0;  // value of the key with which the figures would be equal if nothing else influenced them
-  bool isEnd = false;         // true: `suggestedValue` ends the key's allowed range, and the figures would still differ
+  std::string key;      // effect and key, such as "speckle.looks", or "sensors.0.mount.pitch_deg"
+  FigurePair figure{};  // the figure that suggests the change
+  KeyValue current{};
+  KeyValue suggested{};  // value of the key with which the figures would be equal if nothing else influenced them
+  bool isEnd = false;    // true: `suggested` ends the key's allowed range, and the figures would still differ
 };
 
 struct SetComparison {
@@ -150,8 +161,8 @@ struct SetComparison {
   // Median intensities of patches, divided by the median of the set.
   std::vector<BandComparison> intensityByRange, intensityByIncidence;
   std::vector<KeyChange> advice;
-  std::string assignment;  // argument of --set that applies all advice; empty: no advice
-  std::string unadvised;   // the reason why there is no advice, as a sentence; empty if there is advice
+  std::vector<std::string> assignments;  // arguments of --set that apply all advice
+  std::string unadvised;                 // the reason why there is no advice, as a sentence; empty if there is advice
 
   bool sensorsDiffer() const { return real.knowsRings && simulated.knowsRings && real.rows != simulated.rows; }
 };
@@ -164,18 +175,27 @@ SetComparison compareSets(ScanSet real, ScanSet simulated);
 // Returns the comparison as JSON. `date`: date that the JSON states.
 std::string comparisonJson(const SetComparison& comparison, const std::string& date);
 
-// Returns the suggested changes. `effectItems`: effects of the simulated sensor, as returned by sensorEffectItems().
-// Nothing is suggested for effects that the sensor lacks, for keys that are missing or not a positive number (0, lists,
-// random values), or for figures that differ by less than a tenth.
+// Returns the suggested changes of effects. `effectItems`: effects of the simulated sensor, as returned by
+// sensorEffectItems(). Nothing is suggested for effects that the sensor lacks, for keys that are missing or not a
+// positive number (0, lists, random values), or for figures that differ by less than a tenth.
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& effectItems);
 
-// Returns an argument of --set that applies all advice, such as "effects=[sensor, ring_bias: {gain_sigma: 0.07}]".
-// `pipelineItems`: the effects list of the pipeline file.
+// Returns an argument of --set that applies changes of effects, such as "effects=[sensor, ring_bias: {gain_sigma:
+// 0.07}]". `pipelineItems`: the effects list of the pipeline file.
 std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& pipelineItems);
 
-// Reads the pipeline of the simulated set, and sets `advice` and `assignment` of the comparison; if there is no advice,
-// sets `unadvised` to the reason. `simulated`: folder of the set. `sensor`: name of the compared sensor; empty: the
-// first sensor. `pipeline`: path of the pipeline file; empty: search for the file.
+// Returns the suggested changes of the height, pitch and roll of a sensor, and applies them to `mount`, the value of
+// its mount in the pipeline file. Suggests a normal distribution for each sequence if a figure varies more over the
+// sequences of the real set. Suggests nothing for keys that are neither numbers nor normal distributions without
+// bounds, and no roll unless the simulated vehicle is on its wheels. `mountKey`: key of the mount, such as
+// "sensors.0.mount".
+std::vector<KeyChange> changeMount(const SetComparison& comparison, const std::string& mountKey, bool isOnWheels,
+                                   Value& mount);
+
+// Reads the pipeline of the simulated set, and sets `advice` and `assignments` of the comparison; if there is no
+// advice, sets `unadvised` to the reason. Adds a warning if the vehicle does not stand on its wheels, on which advice
+// for mounts depends. `simulated`: folder of the set. `sensor`: name of the compared sensor; empty: the first sensor.
+// `pipeline`: path of the pipeline file; empty: search for the file.
 void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
                    const std::filesystem::path& pipeline);
 

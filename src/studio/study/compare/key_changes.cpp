@@ -7,12 +7,15 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text_scan.h"
+#include "config/distribution.h"
 #include "config/fields.h"
 #include "config/value.h"
 #include "dataset/manifest.h"
 #include "dataset/names.h"
 #include "pipeline/plan/dataset_plan.h"
+#include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
+#include "sensors/trajectory.h"
 #include "study/compare/compare.h"
 
 namespace scanmill {
@@ -43,12 +46,36 @@ constexpr KeyInfluence kKeyInfluences[] = {
     {.figure = "single_missing", .leastFigure = 0.05, .effect = "dropout", .key = "probability", .highest = 1},
 };
 
-// Returns the value of a key in an effect's options; nothing unless the value is a positive number.
-std::optional<double> positiveNumber(const Value& options, std::string_view key) {
-  const Value* value = options.kind == Value::Kind::Map ? options.find(key) : nullptr;
+// Returns the number that a value is; nothing if it is no number.
+std::optional<double> numberOf(const Value& value) {
   double number = 0;
-  const bool isNumber = value != nullptr && value->kind == Value::Kind::Scalar && parseNumber(value->text, number);
-  return isNumber && number > 0 ? std::optional(number) : std::nullopt;
+  return value.kind == Value::Kind::Scalar && parseNumber(value.text, number) ? std::optional(number) : std::nullopt;
+}
+
+// A figure of the sensor's pose, and the key of a mount that changes the figure by as much, or by its negative.
+struct MountInfluence {
+  RoadFigure figure;
+  std::string_view key;
+  double sign = 1;
+};
+
+// The vehicle stands on its own lane. The ground within 12 m has a cross fall to both sides, whatever the mount's roll.
+constexpr MountInfluence kMountInfluences[] = {
+    {kHeight, "position.2"}, {kPitch, "pitch_deg"}, {kLaneSlope, "roll_deg", -1}};
+
+// Returns the value of a mount's key, 0 if the key is absent; nothing if it is neither a number nor {normal: [m, s]},
+// or if the mount has no such key.
+std::optional<KeyValue> mountValue(const Value& mount, std::string_view key) {
+  const bool isHeight = key == "position.2";
+  const Value* value = mount.find(isHeight ? "position" : key);
+  if (isDistribution(mount) || (!isHeight && mount.find("rotation") != nullptr)) return {};
+  if (value == nullptr) return KeyValue{};
+  if (isHeight && value->items.size() == 3) value = &value->items[2];
+  const std::vector<Value>& normal = value->valueOf("normal").items;
+  const bool isNormal = value->entries.size() == 1 && normal.size() == 2;
+  const std::optional<double> mean = numberOf(isNormal ? normal[0] : *value);
+  const std::optional<double> deviation = isNormal ? numberOf(normal[1]) : std::optional(0.0);
+  return mean && deviation ? std::optional(KeyValue{*mean, *deviation}) : std::nullopt;
 }
 
 FigurePair shownPair(const ComparedFigure& figure, double real, double simulated) {
@@ -79,7 +106,35 @@ auto effectNamed(const std::vector<Value>& effects, std::string_view name) {
   return std::ranges::find_if(effects, [&](const Value& v) { return readNamed(v, "an effect").name == name; });
 }
 
+void addMountChanges(SetComparison& comparison, const Pipeline& pipeline, std::size_t sensor) {
+  if (pipeline.recording != nullptr) return;  // the hits are recorded, so that the sensors cannot be moved
+  const std::string key = fmt::format("sensors.{}.mount", sensor);
+  const bool isOnWheels = std::ranges::all_of(pipeline.sequences, [](const Sequence& sequence) {
+    const GroundOptions* const ground = sequence.trajectory->ground();
+    return ground != nullptr && ground->wheels;
+  });
+  Value mount = pipeline.root.valueOf("sensors").items.at(sensor).valueOf("mount");
+  comparison.advice = changeMount(comparison, key, isOnWheels, mount);
+  if (comparison.advice.empty()) return;
+  comparison.assignments = {fmt::format("{}={}", key, flowText(mount))};
+  if (isOnWheels) return;
+  comparison.warnings.emplace_back(
+      "the simulated vehicle stands as its path or its poses say, not on its wheels: height and pitch of a mount are "
+      "relative to these, and no roll is proposed. With `ground: drop` in all trajectories it leans with the road");
+}
+
+// True if effects are random; random mounts do not count.
+bool drawsEffects(const Pipeline& pipeline) {
+  return pipeline.drawn != nullptr && std::ranges::any_of(pipeline.drawn->items(), [](const ModelledItem& item) {
+           return item.text.find(".mount") == std::string::npos;
+         });
+}
+
 }  // namespace
+
+std::string KeyValue::text() const {
+  return deviation == 0 ? fmt::format("{:g}", mean) : fmt::format("{{normal: [{:g}, {:g}]}}", mean, deviation);
+}
 
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& effectItems) {
   constexpr double kNearlyEqual = 1.1;  // a smaller ratio of the figures leads to no advice
@@ -89,18 +144,17 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
     const std::optional<FigurePair> figure = figureFor(comparison, influence.figure);
     if (effect == effectItems.end() || !figure) continue;
     if (std::max(figure->real, figure->simulated) < influence.leastFigure) continue;
-    const std::optional<double> current = positiveNumber(readNamed(*effect, "an effect").options, influence.key);
+    const std::optional<double> current = numberOf(readNamed(*effect, "an effect").options.valueOf(influence.key));
     const double ratio = figure->ratio();
-    if (!current || std::max(ratio, 1 / ratio) < kNearlyEqual) continue;
+    if (!current || *current <= 0 || std::max(ratio, 1 / ratio) < kNearlyEqual) continue;
     const double exact = *current * std::pow(ratio, influence.power);
     const double allowed = std::clamp(exact, influence.lowest, influence.highest);
     const double suggested = influence.isInteger ? std::round(allowed) : std::stod(fmt::format("{:.2g}", allowed));
     if (suggested == *current) continue;
-    advice.push_back({.effect = influence.effect,
-                      .key = influence.key,
+    advice.push_back({.key = fmt::format("{}.{}", influence.effect, influence.key),
                       .figure = *figure,
-                      .currentValue = *current,
-                      .suggestedValue = suggested,
+                      .current = {*current},
+                      .suggested = {suggested},
                       .isEnd = allowed != exact});
   }
   return advice;
@@ -109,36 +163,75 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
 std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& pipelineItems) {
   Value list{.kind = Value::Kind::Sequence, .items = pipelineItems};
   for (const KeyChange& change : advice) {
-    const auto index = static_cast<std::size_t>(effectNamed(list.items, change.effect) - list.items.begin());
+    const std::string effect = change.key.substr(0, change.key.find('.'));
+    const auto index = static_cast<std::size_t>(effectNamed(list.items, effect) - list.items.begin());
     // If the pipeline's list lacks the effect, the sensor's file has it; an item added to the list overrides the key.
     if (index == list.items.size()) list.items.emplace_back();
     if (list.items[index].kind != Value::Kind::Map) list.items[index] = {};  // setValue() makes a map of it
-    setValue(list, fmt::format("{}.{}.{}={:g}", index, change.effect, change.key, change.suggestedValue));
+    setValue(list, fmt::format("{}.{}={}", index, change.key, change.suggested.text()));
   }
   return "effects=" + flowText(list);
 }
 
+std::vector<KeyChange> changeMount(const SetComparison& comparison, const std::string& mountKey, bool isOnWheels,
+                                   Value& mount) {
+  constexpr double kUnlike = 1.5;  // ratio of two deviations over a dozen sequences that chance hardly exceeds
+  const auto squared = [](double value) { return value * value; };
+  const RoadPoses &realPose = comparison.real.roadPose, &simulatedPose = comparison.simulated.roadPose;
+  std::vector<KeyChange> advice;
+  for (const auto& [figure, key, sign] : kMountInfluences) {
+    const FigureSpread &real = realPose[figure], &simulated = simulatedPose[figure];
+    const std::optional<KeyValue> current = mountValue(mount, key);
+    const bool isMeasured = !std::isnan(real.median) && !std::isnan(simulated.median);
+    if (!current || !isMeasured || (figure == kLaneSlope && !isOnWheels)) continue;
+    KeyValue suggested{toHundredths(current->mean + sign * (real.median - simulated.median)), current->deviation};
+    const double ratio = real.overSequences / simulated.overSequences;  // NaN if a set has too few sequences
+    if (ratio > kUnlike || ratio < 1 / kUnlike) {
+      // Mounts and places vary independently, so that their variances add up.
+      suggested.deviation = toHundredths(std::sqrt(
+          std::max(0.0, squared(current->deviation) + squared(real.overSequences) - squared(simulated.overSequences))));
+    }
+    if (differenceText(figure, realPose, simulatedPose).empty() && suggested.deviation == current->deviation) continue;
+    if (mount.find("position") == nullptr) setValue(mount, "position=[0, 0, 0]");
+    setValue(mount, fmt::format("{}={}", key, suggested.text()));
+    advice.push_back({.key = fmt::format("{}.{}", mountKey, key),
+                      .figure = shownPair(kRoadFigures[figure], real.median, simulated.median),
+                      .current = *current,
+                      .suggested = suggested});
+  }
+  return advice;
+}
+
 void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
                    const std::filesystem::path& pipeline) {
-  const auto setUnadvised = [&](std::string reason) { comparison.unadvised = std::move(reason); };
-  if (!pathExists(simulated / kManifestName)) return setUnadvised("The second set is not the folder of a dataset.");
-  if (comparison.sensorsDiffer()) return setUnadvised("The sensors differ.");
+  if (!pathExists(simulated / kManifestName)) {
+    comparison.unadvised = "The second set is not the folder of a dataset.";
+    return;
+  }
   try {
     const Plan plan = planOfDataset(readManifest(simulated), simulated, pipeline);
     const std::vector<MountedSensor>& sensors = plan.pipeline.sensors;
-    const std::vector<Value>& pipelineItems = plan.pipeline.effectItems;
-    if (plan.pipeline.drawn != nullptr) return setUnadvised("The second set's mounts or effects are random.");
     const auto named = std::ranges::find(sensors, sensor, &MountedSensor::name);
-    const MountedSensor& compared = named == sensors.end() ? sensors.front() : *named;
-    comparison.advice = adviceFor(comparison, sensorEffectItems(pipelineItems, compared));
-    if (comparison.advice.empty())
-      return setUnadvised("No key of the second set's effects scales a figure that differs by a tenth or more.");
-    comparison.assignment = assignmentOf(comparison.advice, pipelineItems);
+    const std::size_t index = named == sensors.end() ? 0 : static_cast<std::size_t>(named - sensors.begin());
+    addMountChanges(comparison, plan.pipeline, index);
+    const std::vector<Value>& pipelineItems = plan.pipeline.effectItems;
+    std::vector<KeyChange> effects;
+    if (comparison.sensorsDiffer()) {
+      comparison.unadvised = "The sensors differ.";
+    } else if (drawsEffects(plan.pipeline)) {
+      comparison.unadvised = "The second set's effects are random.";
+    } else {
+      effects = adviceFor(comparison, sensorEffectItems(pipelineItems, sensors[index]));
+      comparison.unadvised = "No key of the second set's effects scales a figure that differs by a tenth or more.";
+    }
+    if (!effects.empty()) comparison.assignments.push_back(assignmentOf(effects, pipelineItems));
+    comparison.advice.insert(comparison.advice.end(), effects.begin(), effects.end());
+    if (!comparison.advice.empty()) comparison.unadvised.clear();
   } catch (const InputError& error) {
-    setUnadvised(
-        fmt::format("The second set's pipeline cannot be read: {}. If its files are elsewhere, name the pipeline with "
-                    "--pipeline FILE.",
-                    error.what()));
+    comparison.unadvised = fmt::format(
+        "The second set's pipeline cannot be read: {}. If its files are elsewhere, name the pipeline with "
+        "--pipeline FILE.",
+        error.what());
   }
 }
 

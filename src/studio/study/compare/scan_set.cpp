@@ -1,4 +1,3 @@
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,10 +7,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "config/text.h"
+#include "dataset/names.h"
 #include "dataset/scan_store.h"
 #include "evaluate/spread.h"
 #include "study/compare/compare.h"
 #include "study/compare/patches.h"
+#include "study/compare/road_pose.h"
 #include "study/figure_text.h"
 
 namespace scanmill {
@@ -34,9 +35,11 @@ struct ScanMeasures {
   std::uint64_t below = 0;               // beams of rings below the horizon
   std::uint64_t missing = 0;             // beams in `below` without a return
   std::uint64_t inRuns = 0, single = 0;  // beams in `missing` in runs of more than kLongRun, and in runs of one
-  // For each scan with ground: slope of the ground's plane (m per m), and the points' standard deviation from it (m).
-  std::vector<double> slopes, residuals;
-  std::vector<double> relief;  // standard deviation of the heights from each cell's plane (m)
+  std::vector<double> residuals;         // for each scan with ground: standard deviation from the ground's plane (m)
+  std::vector<double> relief;            // standard deviation of the heights from each cell's plane (m)
+  // For each scan: how the sensor stands, with the ground found by class and by shape; name of the scan's sequence.
+  std::vector<RoadPose> posesByClass, posesByShape;
+  std::vector<std::string> sequences;
 
   void add(ScanMeasures&& more) {
     ++set.scans;
@@ -53,9 +56,12 @@ struct ScanMeasures {
     missing += more.missing;
     inRuns += more.inRuns;
     single += more.single;
-    slopes.insert(slopes.end(), more.slopes.begin(), more.slopes.end());
-    residuals.insert(residuals.end(), more.residuals.begin(), more.residuals.end());
-    relief.insert(relief.end(), more.relief.begin(), more.relief.end());
+    const auto append = [](auto& list, const auto& added) { list.insert(list.end(), added.begin(), added.end()); };
+    append(residuals, more.residuals);
+    append(relief, more.relief);
+    append(posesByClass, more.posesByClass);
+    append(posesByShape, more.posesByShape);
+    append(sequences, more.sequences);
   }
 };
 
@@ -102,72 +108,28 @@ void countBeams(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
   }
 }
 
-// The plane z = a x + b y + c.
-struct LevelPlane {
-  Eigen::Vector3d coefficients;  // a, b, c
-
-  // Fits the plane to points by least squares.
-  explicit LevelPlane(const std::vector<Vec3d>& points) {
-    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d products = Eigen::Vector3d::Zero();
-    for (const Vec3d& p : points) {
-      const Eigen::Vector3d row(p.x, p.y, 1);
-      squares += row * row.transpose();
-      products += row * p.z;
-    }
-    coefficients = squares.ldlt().solve(products);
-  }
-
-  double heightAbove(const Vec3d& p) const {
-    return p.z - coefficients[0] * p.x - coefficients[1] * p.y - coefficients[2];
-  }
-  // Returns the standard deviation (m) of the heights above the plane. `points`: the points of the fit.
-  double deviationOf(const std::vector<Vec3d>& points) const {
-    double squares = 0;
-    for (const Vec3d& p : points) squares += heightAbove(p) * heightAbove(p);
-    return std::sqrt(squares / (static_cast<double>(points.size()) - 3));
-  }
-};
-
 // Points by square cell, as seen from above.
 using GroundCells = std::map<std::pair<int, int>, std::vector<Vec3d>>;
 
-GroundCells cellsOf(const std::vector<Vec3d>& points, double size) {
+GroundCells cellsOf(const std::vector<Vec3d>& points) {
   GroundCells cells;
   for (const Vec3d& p : points) {
-    cells[{static_cast<int>(std::floor(p.x / size)), static_cast<int>(std::floor(p.y / size))}].push_back(p);
+    cells[{static_cast<int>(std::floor(p.x / kCell)), static_cast<int>(std::floor(p.y / kCell))}].push_back(p);
   }
   return cells;
 }
 
 // Returns the ground's points by cell (edge kCell), without cells that contain objects; nothing if too few points
-// remain. A plane is fitted to the lowest point in each cell of 4 m, then twice to all points within 0.5 m of the
-// previous plane; points within 0.5 m of the last plane are the ground. The limits were chosen by eye.
+// remain.
 GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
-  constexpr double kLeastDepth = 0.3;    // m below the sensor
-  constexpr double kMostDistance = 0.5;  // m from the plane
-  constexpr double kLargeCell = 4;       // m
-  constexpr std::size_t kFewestPoints = 200, kFewestCells = 8;
+  constexpr std::size_t kFewestPoints = 200;
   std::vector<Vec3d> points;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (grid.point[i] == RangeGrid::kNone) continue;
-    const Vec3d p(scan.position[grid.point[i]]);
-    if (p.z < -kLeastDepth && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
+  for (const std::uint32_t point : grid.point) {
+    if (point == RangeGrid::kNone) continue;
+    const Vec3d p(scan.position[point]);
+    if (std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
   }
-  if (points.size() < kFewestPoints) return {};
-  std::vector<Vec3d> ground;
-  for (const auto& [cell, pointsInCell] : cellsOf(points, kLargeCell)) {
-    ground.push_back(*std::ranges::min_element(pointsInCell, {}, &Vec3d::z));
-  }
-  if (ground.size() < kFewestCells) return {};
-  for (int round = 0; round < 3; ++round) {
-    const LevelPlane plane(ground);
-    ground.clear();
-    std::ranges::copy_if(points, std::back_inserter(ground),
-                         [&](const Vec3d& p) { return std::fabs(plane.heightAbove(p)) < kMostDistance; });
-    if (ground.size() < kFewestPoints) return {};
-  }
-  GroundCells cells = cellsOf(ground, kCell);
+  GroundCells cells = cellsOf(groundAmong(std::move(points)));
   std::erase_if(cells, [](const auto& cell) {
     const auto [low, high] = std::ranges::minmax_element(cell.second, {}, &Vec3d::z);
     return high->z - low->z > kObjectStep;
@@ -191,25 +153,25 @@ std::vector<Vec3d> centred(std::vector<Vec3d> points) {
   return std::sqrt(std::min(variance.x, variance.y)) >= kLeastDeviation ? points : std::vector<Vec3d>();
 }
 
-// Adds the slope, the residual and the relief of the scan's ground, if enough ground is found.
+// Adds the residual and the relief of the scan's ground, if enough ground is found.
 void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
   constexpr std::size_t kFewestInCell = 6;
   const GroundCells cells = groundOf(scan, grid);
   if (cells.empty()) return;
   std::vector<Vec3d> ground;
   for (const auto& [cell, points] : cells) ground.insert(ground.end(), points.begin(), points.end());
-  const LevelPlane plane(ground);
-  counts.slopes.push_back(std::hypot(plane.coefficients[0], plane.coefficients[1]));
-  counts.residuals.push_back(plane.deviationOf(ground));
+  counts.residuals.push_back(LevelPlane(ground).deviation);
   for (const auto& [cell, points] : cells) {
     if (points.size() < kFewestInCell) continue;
     const std::vector<Vec3d> local = centred(points);
-    if (!local.empty()) counts.relief.push_back(LevelPlane(local).deviationOf(local));
+    if (!local.empty()) counts.relief.push_back(LevelPlane(local).deviation);
   }
 }
 
-// Returns the measures of a scan. `scanIndex`: index of the scan in its set.
-ScanMeasures measureScan(const Scan& scan, std::size_t scanIndex) {
+// Returns the measures of a scan. `index`: index of the scan in its set. `ontology`: classes of the labels; null:
+// unknown. `sequence`: name of the scan's sequence. `heading`: see roadPoseOf().
+ScanMeasures measureScan(const Scan& scan, std::size_t index, const Ontology* ontology,
+                         const std::string& sequence = "", double heading = 0) {
   const RangeGrid grid = rangeGrid(scan);
   ScanMeasures counts;
   counts.set.rows = grid.rows;
@@ -218,7 +180,10 @@ ScanMeasures measureScan(const Scan& scan, std::size_t scanIndex) {
   counts.set.labelled = !scan[kLabel].empty();
   countBeams(scan, grid, counts);
   measureGround(scan, grid, counts);
-  counts.set.patches = patchesOf(scan, grid, static_cast<std::uint32_t>(scanIndex));
+  counts.posesByClass = {roadPoseOf(scan, ontology, heading)};
+  counts.posesByShape = {roadPoseOf(scan, nullptr, heading)};
+  counts.sequences = {sequence};
+  counts.set.patches = patchesOf(scan, grid, static_cast<std::uint32_t>(index));
   return counts;
 }
 
@@ -294,6 +259,8 @@ ScanSet combine(std::string name, std::vector<ScanMeasures> scanMeasures, std::o
   set.stored = set.scans;
   set.labelled = set.labelled && ontology.has_value() && set.scans > 0;
   set.ontology = std::move(ontology);
+  set.roadPoseByShape = spreadsOf(sum.posesByShape, sum.sequences);
+  set.roadPose = set.labelled ? spreadsOf(sum.posesByClass, sum.sequences) : set.roadPoseByShape;
   set.figures.fill(kNaN);
   if (set.knowsMisses) {
     figureNamed(set, "returns") = shareOf(set.points, sum.beams, kNaN);
@@ -302,7 +269,6 @@ ScanSet combine(std::string name, std::vector<ScanMeasures> scanMeasures, std::o
     figureNamed(set, "missing_single") = shareOf(sum.single, sum.missing, kNaN);
   }
   figureNamed(set, "near") = shareOf(sum.near, set.points, kNaN);
-  figureNamed(set, "ground_slope") = meanOf(sum.slopes);
   figureNamed(set, "ground_residual") = meanOf(sum.residuals);
   figureNamed(set, "ground_relief") = quantileOf(sum.relief, 0.5);
   figureNamed(set, "ground_relief_90") = quantileOf(sum.relief, 0.9);
@@ -337,7 +303,8 @@ std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& 
 
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology) {
   std::vector<ScanMeasures> scanMeasures(scans.size());
-  parallelForEach(scans.size(), 1, [&](std::size_t i) { scanMeasures[i] = measureScan(scans[i], i); });
+  parallelForEach(scans.size(), 1,
+                  [&](std::size_t i) { scanMeasures[i] = measureScan(scans[i], i, ontology ? &*ontology : nullptr); });
   return combine(std::move(name), std::move(scanMeasures), std::move(ontology));
 }
 
@@ -357,7 +324,8 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
     parallelForEach(size, 1, [&](std::size_t i) {
       const std::size_t sample = samples[(start + i) * samples.size() / count];
       const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
-      scanMeasures[start + i] = measureScan(scan, start + i);
+      scanMeasures[start + i] =
+          measureScan(scan, start + i, store.ontology(), partsOfKey(store.keys()[sample]).sequence, store.heading());
     });
     double points = 0;
     for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(scanMeasures[k].set.points);

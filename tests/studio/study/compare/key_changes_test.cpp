@@ -25,9 +25,10 @@ TEST(CompareAdvice, LeadsToTheValueThatMadeTheOtherSet) {
   const std::vector<KeyChange> advice = adviceFor(compared(real, simulated), items(kOwn));
   for (const auto& [key, right] : std::map<std::string_view, double>{
            {"sigma_m", 0.005}, {"range_sigma_m", 0.02}, {"gain_sigma", 0.075}, {"looks", 30.0 / 16}}) {
-    const auto found = std::ranges::find_if(advice, [&](const KeyChange& a) { return a.key == key; });
+    const auto found =
+        std::ranges::find_if(advice, [&](const KeyChange& a) { return a.key.ends_with("." + std::string(key)); });
     ASSERT_NE(found, advice.end()) << key;
-    EXPECT_LT(std::fabs(std::log(found->suggestedValue / right)), std::fabs(std::log(found->currentValue / right)) / 2)
+    EXPECT_LT(std::fabs(std::log(found->suggested.mean / right)), std::fabs(std::log(found->current.mean / right)) / 2)
         << key;
   }
 }
@@ -46,7 +47,8 @@ TEST(CompareAdvice, IsNoneWhereNoNumberScalesIt) {
 }
 
 TEST(CompareAdvice, IsAnOptionForThePipelinesOwnList) {
-  const std::vector<KeyChange> advice{{"ring_bias", "gain_sigma", {}, 0.3, 0.15}, {"relief", "strength", {}, 1, 0.5}};
+  const std::vector<KeyChange> advice{{.key = "ring_bias.gain_sigma", .suggested = {0.15}},
+                                      {.key = "relief.strength", .suggested = {0.5}}};
   EXPECT_EQ(assignmentOf(advice, items("[sensor, relief, light_paths]")),
             "effects=[sensor, {relief: {strength: 0.5}}, light_paths, {ring_bias: {gain_sigma: 0.15}}]");
   EXPECT_EQ(assignmentOf(advice, items("[ring_bias: {range_sigma_m: 0.1, gain_sigma: 0.3}, relief: {strength: 1}]")),
