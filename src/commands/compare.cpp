@@ -26,14 +26,16 @@ constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; ea
 
 // Prints four tables: how the sensors stand, features of patches, figures of the sets, and settings to try.
 void printComparison(const SetComparison& comparison) {
-  Rows rows{{"how the sensor stands", "real", "simulated", "simulated against real"}};
+  const RoadPoses &real = comparison.real.roadPose, &simulated = comparison.simulated.roadPose;
+  const auto spreadText = [](const FigureSpread& s) {
+    return std::isnan(s.median) ? "-" : fmt::format("{:.2f} ({:.2f} to {:.2f})", s.median, s.low, s.high);
+  };
+  Rows rows{{"how the sensor stands: median (16 to 84 %)", "", "real", "simulated", "simulated against real"}};
   for (std::size_t f = 0; f < kRoadFigureCount; ++f) {
-    const RoadPoses &real = comparison.real.roadPose, &simulated = comparison.simulated.roadPose;
-    if (std::isnan(real[f].median) && std::isnan(simulated[f].median)) continue;
-    rows.push_back({std::string(kRoadFigures[f].title), spreadText(real[f], kRoadFigures[f].unit),
-                    spreadText(simulated[f], kRoadFigures[f].unit), differenceText(f, real, simulated)});
+    rows.push_back({std::string(kRoadFigures[f].title), std::string(kRoadFigures[f].unit), spreadText(real[f]),
+                    spreadText(simulated[f]), differenceText(f, real, simulated)});
   }
-  if (rows.size() > 1) printText("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
   rows = {{"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
   for (const Separation& s : comparison.features) {
     const ComparedFigure& f = kPatchFeatures[s.feature];
@@ -58,7 +60,7 @@ void printComparison(const SetComparison& comparison) {
   if (comparison.advice.empty()) return printText("settings to try: none. {}\n\n", comparison.unadvised);
   rows = {{"to try", "now", "try", "for"}};
   for (const KeyChange& a : comparison.advice) {
-    rows.push_back({a.key, a.current.text(), nextText(a), std::string(a.figure.title)});
+    rows.push_back({a.key, fmt::format("{:g}", a.current), nextText(a), std::string(a.figure.title)});
   }
   printText("{}to change all at once, add to the options that made the set: --set '{}'\n\n", formatTable(rows),
             fmt::join(comparison.assignments, "' --set '"));

@@ -20,18 +20,15 @@ namespace {
 
 // Prints how the sensor stands over its ground, and the mount for a pipeline, if the scans show the ground.
 void printMount(const std::vector<Scan>& scans) {
-  std::vector<RoadPose> poses;
-  poses.reserve(scans.size());
-  for (const Scan& scan : scans) poses.push_back(roadPoseOf(scan, nullptr));
-  const RoadPoses spreads = spreadsOf(poses, std::vector<std::string>(scans.size()));
-  const double height = toHundredths(spreads[kHeight].median), pitch = toHundredths(spreads[kPitch].median);
-  const double roll = toHundredths(-spreads[kLaneSlope].median);
-  if (std::isnan(height) || std::isnan(roll)) return;
+  PosesBySequence poses;
+  for (const Scan& scan : scans) poses[""].push_back(roadPoseOf(scan, nullptr));
+  const RoadPoses spreads = spreadsOf(poses);
+  if (std::isnan(spreads[kHeight].median) || std::isnan(spreads[kLaneSlope].median)) return;
   printText(
-      "{0:g} m above the ground within 12 m, looking {1:g} deg down on it; the left side is raised by {2:g} deg over "
-      "the "
-      "own lane:\nin a pipeline, mount: {{position: [0, 0, {0:g}], pitch_deg: {1:g}, roll_deg: {2:g}}}\n",
-      height, pitch, roll);
+      "{0:.2f} m above the ground within 12 m, looking {1:.2f} deg down on it; the left side is raised by {2:.2f} deg "
+      "over the own lane:\nin a pipeline, mount: {{position: [0, 0, {0:.2f}], pitch_deg: {1:.2f}, roll_deg: "
+      "{2:.2f}}}\n",
+      spreads[kHeight].median, spreads[kPitch].median, -spreads[kLaneSlope].median);
 }
 
 }  // namespace

@@ -14,12 +14,6 @@
 
 namespace scanmill {
 
-namespace {
-
-constexpr std::size_t kMostSamples = 64;  // greatest number of pictured samples; they make the page large
-
-}  // namespace
-
 int runReport(const std::vector<std::string>& arguments) {
   CommandOptions options("report");
   options.add("o,out",
@@ -43,6 +37,7 @@ int runReport(const std::vector<std::string>& arguments) {
 
   DatasetReportOptions reportOptions{.seed = parsed.options["seed"].as<std::uint64_t>(),
                                      .samples = parsed.options["samples"].as<std::size_t>()};
+  constexpr std::size_t kMostSamples = 64;  // pictured samples make the page large
   if (reportOptions.samples > kMostSamples) {
     throw InputError(fmt::format("--samples must be from 0 to {}, not {}", kMostSamples, reportOptions.samples));
   }

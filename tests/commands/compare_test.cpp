@@ -31,8 +31,8 @@ TEST_F(CompareCommand, WritesAPageAndFiguresThatNameTheDifference) {
                     HasSubstr("open " + at("out/index.html")), Not(HasSubstr("nan"))));
   std::string page = readFile(at("out/index.html"));
   page.resize(page.find("<script>"));
-  EXPECT_THAT(page, AllOf(HasSubstr("What a network would notice first"), HasSubstr("By class"), Not(HasSubstr("nan")),
-                          Not(HasSubstr("http://www.w3.org/1999/xhtml\" src"))));
+  EXPECT_THAT(page,
+              AllOf(HasSubstr("What a network would notice first"), HasSubstr("By class"), Not(HasSubstr("nan"))));
   const nlohmann::json result = nlohmann::json::parse(readFile(at("out/compare.json")));
   EXPECT_EQ(result["grouped_by"], "class");
   EXPECT_EQ(result["real"]["name"], "plain");
@@ -56,10 +56,8 @@ TEST_F(CompareCommand, LeadsToTheMountOfTheFirstSet) {
   make("without_wheels", "sensors.0.mount={position: [0, 0, 1.8]}", "{wheels: none}");
   const nlohmann::json result = comparedWith("upright");
   ASSERT_GE(result["advice"].size(), 3u) << result["unadvised"];
-  EXPECT_EQ(result["road_pose"][0]["figure"], "pitch");
   EXPECT_NEAR(result["road_pose"][0]["real"]["median"].get<double>(), 2, 0.05);
   EXPECT_EQ(result["advice"][1]["key"], "sensors.0.mount.pitch_deg");
-  EXPECT_EQ(result["advice"][1]["now"], 0);
   EXPECT_NEAR(result["advice"][1]["try"].get<double>(), 2, 0.05);
   EXPECT_THAT(readFile(at("out/index.html")), HasSubstr("How the sensor stands"));
   make("advised", result["set"][0]);

@@ -13,10 +13,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <nanoflann.hpp>
-#include <numeric>
 #include <vector>
+
+#include "evaluate/spread.h"
 
 namespace scanmill {
 
@@ -138,12 +140,9 @@ FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {
     if (v) present.push_back(*v);
   }
   if (present.empty()) return {};
-  const double mean = std::accumulate(present.begin(), present.end(), 0.0) / static_cast<double>(present.size());
-  double squares = 0;  // sum of the squared differences from the mean
-  for (const double v : present) squares += (v - mean) * (v - mean);
   return {.count = present.size(),
-          .mean = mean,
-          .deviation = present.size() > 1 ? std::sqrt(squares / static_cast<double>(present.size() - 1)) : 0,
+          .mean = meanOf(present),
+          .deviation = deviationOf(present),
           .low = std::ranges::min(present),
           .high = std::ranges::max(present)};
 }

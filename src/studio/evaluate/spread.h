@@ -70,4 +70,12 @@ double meanOf(const std::vector<T>& values) {
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(values.size());
 }
 
+// Returns the standard deviation of a sample; 0 for fewer than two values.
+inline double deviationOf(const std::vector<double>& values) {
+  const double mean = meanOf(values);
+  double squares = 0;
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  return values.size() < 2 ? 0 : std::sqrt(squares / static_cast<double>(values.size() - 1));
+}
+
 }  // namespace scanmill

@@ -5,6 +5,7 @@
 #include "config/fields.h"
 #include "dataset/names.h"
 #include "dataset/recording.h"
+#include "evaluate/spread.h"
 #include "passes/exr/exr_file.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
@@ -66,16 +67,11 @@ ExrImage readExr(const std::filesystem::path& file) {
 // Returns the 1st and 99th percentile of the positive finite values (of every 97th in large images); {1, 1} if none.
 ScaleRange percentilesOf(const std::vector<float>& values) {
   const std::size_t step = values.size() > 100'000 ? 97 : 1;
-  std::vector<float> sorted;
+  std::vector<float> positive;
   for (std::size_t i = 0; i < values.size(); i += step) {
-    if (std::isfinite(values[i]) && values[i] > 0) sorted.push_back(values[i]);
+    if (std::isfinite(values[i]) && values[i] > 0) positive.push_back(values[i]);
   }
-  if (sorted.empty()) return {1, 1};
-  std::ranges::sort(sorted);
-  const auto percentile = [&](double rank) {
-    return double{sorted[static_cast<std::size_t>(rank * static_cast<double>(sorted.size() - 1))]};
-  };
-  return {percentile(0.01), percentile(0.99)};
+  return positive.empty() ? ScaleRange{1, 1} : ScaleRange{quantileOf(positive, 0.01), quantileOf(positive, 0.99)};
 }
 
 // Converts an EXR image's channels (depth or range, normals, ids, reflectance) to coloured pictures with legends.

@@ -78,22 +78,6 @@ TEST(FitnessScore, IsTheMeanOfSquaredNearestDistances) {
   }
 }
 
-TEST(FitnessScore, ParallelPlanesAreTheSquareOfTheirDistanceApart) {
-  Points low;
-  Points high;
-  for (int i = 0; i < 20; ++i) {
-    for (int j = 0; j < 20; ++j) {
-      low.push_back({0.1f * static_cast<float>(i), 0.1f * static_cast<float>(j), 0});
-      high.push_back({0.1f * static_cast<float>(i), 0.1f * static_cast<float>(j), 0.03f});
-    }
-  }
-  EXPECT_NEAR(*fitness(low, high), 0.03 * 0.03, 1e-9);
-  EXPECT_NEAR(*fitness(high, low), *fitness(low, high), 1e-12);
-  // Along the planes by less than half a step as well: both squares add up.
-  for (Vec3f& p : high) p.x += 0.04f;
-  EXPECT_NEAR(*fitness(low, high), 0.03 * 0.03 + 0.04 * 0.04, 1e-8);
-}
-
 // PCL compares its max_range with a squared distance: asked for 0.5 m, it would take points 0.7 m away.
 TEST(FitnessScore, WithinIsADistance) {
   const Points target{{0, 0, 0}};
@@ -146,14 +130,6 @@ TEST(Icp, DegenerateCloudsStayFinite) {
       EXPECT_TRUE(std::isfinite(*result.fitness));
     }
   }
-}
-
-TEST(Icp, IdenticalCloudsStayWhereTheyAre) {
-  const Points box = boxCloud();
-  const Registered result = registerClouds(box, box);
-  EXPECT_TRUE(result.moved);
-  EXPECT_LT(*result.fitness, 1e-12);
-  EXPECT_EQ(result.unmoved, 0);
 }
 
 TEST(Icp, FindsASmallMotion) {

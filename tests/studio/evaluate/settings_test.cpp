@@ -2,9 +2,7 @@
 
 #include "base/random.h"
 #include "config/value.h"
-#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
-#include "tests/support/same_hits.h"
 
 namespace scanmill {
 namespace {
@@ -83,18 +81,14 @@ TEST(ReadSettings, EveryWrongTextHasItsPlaceAndAWayOut) {
       {"[]", {"f.yaml:1:1", "settings", "at least one item"}},
       {"ray_tracing", {"f.yaml:1:1", "must be a list"}},
       {"\n- ray_traicing", {"f.yaml:2:3", "unknown method 'ray_traicing'", "did you mean 'ray_tracing'"}},
-      {"\n- auto", {"f.yaml:2:3", "unknown method 'auto'"}},
       {"\n- {ray_tracing: {simplfy: 1}}", {"f.yaml:2:18", "unknown key 'simplfy'", "did you mean 'simplify'"}},
-      {"\n- {ray_tracing: {simplfy: [1, 0.5]}}", {"f.yaml:2:", "unknown key 'simplfy'", "did you mean 'simplify'"}},
       {"- {ray_tracing: {instancing: [auto, some]}}", {"f.yaml:1:37", "instancing may not be 'some'"}},
       {"- {ray_tracing: {simplify: []}}", {"f.yaml:1:28", "the list is empty"}},
       {"- {ray_tracing: 5}", {"f.yaml:1:17", "must be a map", "'5'"}},
-      {"- {ray_tracing: [simplify]}", {"f.yaml:1:17", "must be a map", "a list"}},
       {"- {ray_tracing: {}, particle: {}}", {"f.yaml:1:3", "one pair"}},
       {"- [ray_tracing]", {"f.yaml:1:3", "must be a name or one pair"}},
       {"- ray_tracing\n- particle\n- ray_tracing", {"f.yaml:3:3", "'ray_tracing' is listed twice"}},
       {"- {depth_camera: {resolution: [512, 512]}}", {"f.yaml:1:3", "'depth_camera resolution=512' is listed twice"}},
-      {"- {particle: {voxels: 100}}", {"f.yaml:1:", "voxels"}},
       {"- {depth_camera: {resolution: [512, 99999]}}", {"f.yaml:1:", "resolution", "99999"}},
       {"- {ray_tracing: {simplify: half}}", {"f.yaml:1:28", "simplify", "'half'"}},
   };
@@ -106,32 +100,6 @@ TEST(ReadSettings, EveryWrongTextHasItsPlaceAndAWayOut) {
   for (int i = 1; i <= 30; ++i) many += fmt::format("{}0.{:03}", i > 1 ? ", " : "", i + 50);
   expectInputError([&] { settingsIn(many + "], steps: [" + many.substr(many.find('[') + 1) + "]}}"); },
                    {"f.yaml:1:", "more than 500 settings"});
-}
-
-class SettingOfYard : public Yard {};
-
-// What --set makes of a setting is the method that was measured.
-TEST_F(SettingOfYard, AnAssignmentGivesTheSameMethod) {
-  const std::vector<MethodSetting> settings = settingsIn(
-      "[ray_tracing, {ray_tracing: {simplify: 0.5, instancing: [never, always]}}, "
-      "{particle: {refine: [triangle, none], voxel_m: 0.5}}]");
-  for (const MethodSetting& s : settings) {
-    SCOPED_TRACE(s.setting.assignment());
-    const Plan plan = makePlan(readPipeline(pipeline_, {s.setting.assignment()}));
-    EXPECT_EQ(plan.pipeline.method.entry, s.choice.entry);
-    EXPECT_EQ(flowText(plan.pipeline.method.options), s.setting.options);
-    ShotSource source(plan);
-    const Scene scene = source.load(0);
-    const auto assigned = source.method(scene);
-    const auto chosen = makeMethod(s.choice, scene);
-    EXPECT_EQ(assigned->modelled(), chosen->modelled());
-    Hits a;
-    Hits b;
-    const Shot shot = source.frame(0, 1).shots.front();
-    assigned->trace(shot, plan.channels, a);
-    chosen->trace(shot, plan.channels, b);
-    expectSameHits(a, b);
-  }
 }
 
 }  // namespace

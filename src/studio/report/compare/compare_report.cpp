@@ -44,28 +44,20 @@ Chart featureChart(const SetComparison& comparison) {
   return chart;
 }
 
-// The JSON keys of a row: the key of its name, of the real set's value and of the simulated set's value.
-struct PairKeys {
-  const char *name, *real, *simulated;
-};
-constexpr PairKeys kGroupShares{"name", "real_share", "simulated_share"};
-constexpr PairKeys kBandShares{"band", "real_share", "simulated_share"};
-constexpr PairKeys kBandValues{"band", "real", "simulated"};
-
-// Returns `chart` with two bars for each row. `factor`: multiplies the values.
-Chart pairChart(Chart chart, const Json& rows, const PairKeys& keys, double factor = 1) {
+// Returns `chart` with two bars for each row. `name`: JSON key of a row's name. `ofShares`: true for shares, shown in
+// per cent.
+Chart pairChart(Chart chart, const Json& rows, const char* name, bool ofShares = false) {
   chart.x.low = 0;
   chart.series = {{.name = "real", .color = kReal, .mark = ChartMark::Bars},
                   {.name = "simulated", .color = kSimulated, .mark = ChartMark::Bars}};
   for (const Json& row : rows) {
     for (std::size_t i = 0; i < 2; ++i) {
-      const Json& value = row.at(i == 0 ? keys.real : keys.simulated);
-      const double figure = value.is_null() ? NAN : factor * value.get<double>();
-      chart.series[i].add(
-          {figure, static_cast<double>(chart.y.names.size())},
-          value.is_null() ? "" : fmt::format("{}: {:.3g}", row.at(keys.name).get<std::string>(), figure));
+      const Json& value = row.at(chart.series[i].name + (ofShares ? "_share" : ""));
+      const double figure = value.is_null() ? NAN : (ofShares ? 100 : 1) * value.get<double>();
+      chart.series[i].add({figure, static_cast<double>(chart.y.names.size())},
+                          value.is_null() ? "" : fmt::format("{}: {:.3g}", row.at(name).get<std::string>(), figure));
     }
-    chart.y.names.push_back(row.at(keys.name));
+    chart.y.names.push_back(row.at(name));
   }
   chart.height = 130 + 34 * static_cast<int>(chart.y.names.size());
   return chart;
@@ -78,13 +70,9 @@ std::string figureText(double value, double factor, std::string_view unit) {
   return fmt::format("{:.3g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
 }
 
-std::string spreadText(const FigureSpread& spread, std::string_view unit) {
-  return std::isnan(spread.median) ? "-" : fmt::format("{:.2f} ± {:.2f} {}", spread.median, spread.spread, unit);
-}
-
 std::string nextText(const KeyChange& advice) {
-  const bool isMost = advice.suggested.mean > advice.current.mean;
-  return advice.suggested.text() + (!advice.isEnd ? "" : isMost ? " (the most)" : " (the least)");
+  const bool isMost = advice.suggested > advice.current;
+  return advice.suggestedText() + (!advice.isEnd ? "" : isMost ? " (the most)" : " (the least)");
 }
 
 std::string comparisonPage(const SetComparison& comparison, const std::string& date) {
@@ -101,15 +89,16 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
     const Json& within = feature.at("strength_within_real");
     feature["strong"] = !within.is_null() && feature.at("strength") > 2 * within.get<double>();
   }
-  page["set_figures"] = Json::array();
-  for (const Json& figure : page["figures"]) {
-    if (!figure.at("real").is_null() || !figure.at("simulated").is_null()) page["set_figures"].push_back(figure);
+  for (const auto& [rows, shown] : {std::pair("figures", "set_figures"), {"road_pose", "shown_pose"}}) {
+    page[shown] = Json::array();
+    for (const Json& row : page[rows]) {
+      if (!row.at("real").is_null() || !row.at("simulated").is_null()) page[shown].push_back(row);
+    }
+    page.erase(rows);
   }
-  page.erase("figures");
   for (std::size_t i = 0; i < comparison.advice.size(); ++i) {
     const KeyChange& change = comparison.advice[i];
-    page["advice"][i].update({{"now", change.current.text()},
-                              {"try", nextText(change)},
+    page["advice"][i].update({{"try", nextText(change)},
                               {"real", change.figure.real},
                               {"simulated", change.figure.simulated},
                               {"unit", change.figure.unit}});
@@ -129,13 +118,13 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   const ChartAxis share{.title = "share of the points (%)"}, intensity{.title = "intensity / median"};
   page["charts"] = chartValues(
       {featureChart(comparison),
-       pairChart({.name = "shares", .title = "Shares of the points", .x = share}, page["groups"], kGroupShares, 100),
-       pairChart({.name = "ranges", .title = "Ranges", .x = share}, page["ranges"], kBandShares, 100),
+       pairChart({.name = "shares", .title = "Shares of the points", .x = share}, page["groups"], "name", true),
+       pairChart({.name = "ranges", .title = "Ranges", .x = share}, page["ranges"], "band", true),
        pairChart({.name = "intensity_by_range", .title = "Intensity by range", .note = "Medians.", .x = intensity},
-                 page["intensity_by_range"], kBandValues),
+                 page["intensity_by_range"], "band"),
        pairChart(
            {.name = "intensity_by_incidence", .title = "Intensity by incidence", .note = "Medians.", .x = intensity},
-           page["intensity_by_incidence"], kBandValues)});
+           page["intensity_by_incidence"], "band")});
   return fillPage(kCompareTemplate, std::move(page));
 }
 

@@ -15,9 +15,6 @@ std::string nextText(const KeyChange& advice);
 // Formats a stored value times `factor` with its unit, such as "12.3 mm"; "-" if it is NaN.
 std::string figureText(double value, double factor, std::string_view unit);
 
-// Returns a figure's median and spread with its unit, such as "0.66 ± 0.34 deg"; "-" if no scan shows the figure.
-std::string spreadText(const FigureSpread& spread, std::string_view unit);
-
 extern const std::string_view kCompareTemplate;  // contents of compare.html
 
 }  // namespace scanmill

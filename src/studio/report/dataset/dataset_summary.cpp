@@ -6,6 +6,7 @@
 
 #include "base/append_new.h"
 #include "dataset/names.h"
+#include "evaluate/spread.h"
 #include "report/dataset/dataset_report.h"
 #include "viewer/color_map.h"
 
@@ -19,15 +20,6 @@ auto& entryNamed(auto& list, const std::string& name) {
   if (found != list.end()) return *found;
   list.emplace_back().name = name;
   return list.back();
-}
-
-// Returns the median; for an even number of values, the mean of the two middle values; 0 if there are none.
-double medianOf(std::vector<std::uint64_t> values) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  const auto upper = static_cast<double>(values[middle]);
-  return values.size() % 2 == 1 ? upper : (static_cast<double>(values[middle - 1]) + upper) / 2;
 }
 
 // Returns the name of a sample's sequence; the sample's key if the key names no sequence.

@@ -128,10 +128,8 @@ void addRanges(SetComparison& result) {
   }
 }
 
-constexpr std::size_t kNoBand = std::numeric_limits<std::size_t>::max();  // the patch belongs to no band
-
 // Returns the median intensities of both sets' patches in each named band; NaN if a set has too few patches in the
-// band. Omits bands with too few in both. bandOf(patches, i) returns the band of patch i, or kNoBand.
+// band. Omits bands with too few in both. bandOf(patches, i) returns the band of patch i; a greater number for none.
 std::vector<BandComparison> intensityBands(const SetComparison& result, const std::vector<std::string>& names,
                                            const auto& bandOf) {
   const auto medians = [&](const Patches& patches) {
@@ -166,7 +164,7 @@ void addIntensities(SetComparison& result) {
       result, {"to 15 deg", "15 to 30 deg", "30 to 45 deg", "45 to 60 deg", "60 to 75 deg", "75 to 90 deg"},
       [](const Patches& patches, std::size_t i) {
         const auto incidence = static_cast<double>(patches.incidence[i]);
-        return std::isnan(incidence) ? kNoBand : static_cast<std::size_t>(degrees(incidence) / kBandDegrees);
+        return std::isnan(incidence) ? SIZE_MAX : static_cast<std::size_t>(degrees(incidence) / kBandDegrees);
       });
 }
 
@@ -297,40 +295,21 @@ OrderedJson separationJson(const Separation& s) {
           {"simulated_patches", s.simulated}};
 }
 
-OrderedJson valueJson(const KeyValue& value) {
-  if (value.deviation == 0) return value.mean;
-  return {{"normal", {value.mean, value.deviation}}};
-}
-
 OrderedJson changeJson(const KeyChange& change) {
   return {{"key", change.key},
           {"figure", change.figure.title},
-          {"now", valueJson(change.current)},
-          {"try", valueJson(change.suggested)}};
+          {"now", change.current},
+          {"try", change.suggested},
+          {"try_deviation", change.deviation}};
 }
 
 // Returns null if no scan shows the figure.
 OrderedJson spreadJson(const FigureSpread& spread) {
   if (std::isnan(spread.median)) return nullptr;
   return {{"median", spread.median},
-          {"spread", spread.spread},
-          {"lower_quartile", spread.lowerQuartile},
-          {"upper_quartile", spread.upperQuartile},
-          {"spread_over_sequences", spread.overSequences}};
-}
-
-// Returns the figures that at least one set shows.
-OrderedJson roadPoseJson(const RoadPoses& real, const RoadPoses& simulated) {
-  OrderedJson rows = OrderedJson::array();
-  for (std::size_t f = 0; f < kRoadFigureCount; ++f) {
-    if (std::isnan(real[f].median) && std::isnan(simulated[f].median)) continue;
-    rows.push_back({{"figure", kRoadFigures[f].name},
-                    {"unit", kRoadFigures[f].unit},
-                    {"real", spreadJson(real[f])},
-                    {"simulated", spreadJson(simulated[f])},
-                    {"difference", differenceText(f, real, simulated)}});
-  }
-  return rows;
+          {"percentile_16", spread.low},
+          {"percentile_84", spread.high},
+          {"deviation_over_sequences", spread.overSequences}};
 }
 
 // Returns the bands as a JSON array. `suffix`: appended to the keys of the values.
@@ -356,8 +335,7 @@ SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
                     "so compare scans of one sensor",
                     result.real.name, result.real.rows, result.simulated.name, result.simulated.rows));
   }
-  const auto isMeasured = [](const ScanSet& set) { return !std::isnan(set.roadPose[kHeight].median); };
-  if (!result.byClass || !isMeasured(result.real) || !isMeasured(result.simulated)) {
+  if (!result.byClass || std::isnan(result.real.roadPose[kHeight].median - result.simulated.roadPose[kHeight].median)) {
     for (ScanSet* set : {&result.real, &result.simulated}) set->roadPose = set->roadPoseByShape;
   }
   const std::vector<SeparationSums> sums = separateFeatures(result, realGroups, simulatedGroups);
@@ -385,6 +363,15 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                        {"simulated", comparison.simulated.figures[i] * figure.factor},
                        {"keys", figure.keys}});
   }
+  const RoadPoses &realPose = comparison.real.roadPose, &simulatedPose = comparison.simulated.roadPose;
+  OrderedJson roadPose = OrderedJson::array();
+  for (std::size_t f = 0; f < kRoadFigureCount; ++f) {
+    roadPose.push_back({{"figure", kRoadFigures[f].name},
+                        {"unit", kRoadFigures[f].unit},
+                        {"real", spreadJson(realPose[f])},
+                        {"simulated", spreadJson(simulatedPose[f])},
+                        {"difference", differenceText(f, realPose, simulatedPose)}});
+  }
   const OrderedJson features = arrayOf(comparison.features, [&](const Separation& s) {
     OrderedJson feature = separationJson(s);
     feature["strength_within_real"] = comparison.withinReal[s.feature];
@@ -404,7 +391,7 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                          {"grouped_by", comparison.byClass ? "class" : "shape"},
                          {"warnings", comparison.warnings},
                          {"unknown_classes", comparison.unknownClasses},
-                         {"road_pose", roadPoseJson(comparison.real.roadPose, comparison.simulated.roadPose)},
+                         {"road_pose", roadPose},
                          {"figures", figures},
                          {"features", features},
                          {"advice", arrayOf(comparison.advice, changeJson)},

@@ -129,21 +129,16 @@ struct FigurePair {
   double ratio() const { return real / simulated; }
 };
 
-// The value of a key: a number, or a normal distribution of numbers if the deviation is not 0.
-struct KeyValue {
-  double mean = 0, deviation = 0;
-
-  bool operator==(const KeyValue&) const = default;
-  std::string text() const;  // returns the value as YAML, such as "0.07" or "{normal: [0.66, 0.34]}"
-};
-
 // A key of the simulated pipeline and a better value for it.
 struct KeyChange {
-  std::string key;      // effect and key, such as "speckle.looks", or "sensors.0.mount.pitch_deg"
-  FigurePair figure{};  // the figure that suggests the change
-  KeyValue current{};
-  KeyValue suggested{};  // value of the key with which the figures would be equal if nothing else influenced them
+  std::string key;       // effect and key, such as "speckle.looks", or "sensors.0.mount.pitch_deg"
+  FigurePair figure{};   // the figure that suggests the change
+  double current = 0;    // present value
+  double suggested = 0;  // value with which the figures would be equal if nothing else influenced them
+  double deviation = 0;  // not 0: a normal distribution with the mean `suggested` and this deviation is suggested
   bool isEnd = false;    // true: `suggested` ends the key's allowed range, and the figures would still differ
+
+  std::string suggestedText() const;  // returns the suggested value as YAML: "0.07" or "{normal: [0.66, 0.34]}"
 };
 
 struct SetComparison {
@@ -186,9 +181,8 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
 
 // Returns the suggested changes of the height, pitch and roll of a sensor, and applies them to `mount`, the value of
 // its mount in the pipeline file. Suggests a normal distribution for each sequence if a figure varies more over the
-// sequences of the real set. Suggests nothing for keys that are neither numbers nor normal distributions without
-// bounds, and no roll unless the simulated vehicle is on its wheels. `mountKey`: key of the mount, such as
-// "sensors.0.mount".
+// sequences of the real set. Suggests nothing for keys that are not numbers, and no roll unless the simulated vehicle
+// is on its wheels. `mountKey`: key of the mount, such as "sensors.0.mount".
 std::vector<KeyChange> changeMount(const SetComparison& comparison, const std::string& mountKey, bool isOnWheels,
                                    Value& mount);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -13,7 +14,6 @@
 #include "dataset/manifest.h"
 #include "dataset/names.h"
 #include "pipeline/plan/dataset_plan.h"
-#include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
 #include "sensors/trajectory.h"
 #include "study/compare/compare.h"
@@ -52,30 +52,12 @@ std::optional<double> numberOf(const Value& value) {
   return value.kind == Value::Kind::Scalar && parseNumber(value.text, number) ? std::optional(number) : std::nullopt;
 }
 
-// A figure of the sensor's pose, and the key of a mount that changes the figure by as much, or by its negative.
-struct MountInfluence {
-  RoadFigure figure;
-  std::string_view key;
-  double sign = 1;
-};
-
-// The vehicle stands on its own lane. The ground within 12 m has a cross fall to both sides, whatever the mount's roll.
-constexpr MountInfluence kMountInfluences[] = {
-    {kHeight, "position.2"}, {kPitch, "pitch_deg"}, {kLaneSlope, "roll_deg", -1}};
-
-// Returns the value of a mount's key, 0 if the key is absent; nothing if it is neither a number nor {normal: [m, s]},
-// or if the mount has no such key.
-std::optional<KeyValue> mountValue(const Value& mount, std::string_view key) {
+// Returns the number of a mount's key, 0 if the key is absent; nothing if it is no number.
+std::optional<double> mountNumber(const Value& mount, std::string_view key) {
   const bool isHeight = key == "position.2";
-  const Value* value = mount.find(isHeight ? "position" : key);
-  if (isDistribution(mount) || (!isHeight && mount.find("rotation") != nullptr)) return {};
-  if (value == nullptr) return KeyValue{};
-  if (isHeight && value->items.size() == 3) value = &value->items[2];
-  const std::vector<Value>& normal = value->valueOf("normal").items;
-  const bool isNormal = value->entries.size() == 1 && normal.size() == 2;
-  const std::optional<double> mean = numberOf(isNormal ? normal[0] : *value);
-  const std::optional<double> deviation = isNormal ? numberOf(normal[1]) : std::optional(0.0);
-  return mean && deviation ? std::optional(KeyValue{*mean, *deviation}) : std::nullopt;
+  const Value* const value = mount.find(isHeight ? "position" : key);
+  if (value == nullptr) return 0;
+  return numberOf(isHeight && value->items.size() == 3 ? value->items[2] : *value);
 }
 
 FigurePair shownPair(const ComparedFigure& figure, double real, double simulated) {
@@ -107,13 +89,14 @@ auto effectNamed(const std::vector<Value>& effects, std::string_view name) {
 }
 
 void addMountChanges(SetComparison& comparison, const Pipeline& pipeline, std::size_t sensor) {
-  if (pipeline.recording != nullptr) return;  // the hits are recorded, so that the sensors cannot be moved
   const std::string key = fmt::format("sensors.{}.mount", sensor);
   const bool isOnWheels = std::ranges::all_of(pipeline.sequences, [](const Sequence& sequence) {
     const GroundOptions* const ground = sequence.trajectory->ground();
     return ground != nullptr && ground->wheels;
   });
   Value mount = pipeline.root.valueOf("sensors").items.at(sensor).valueOf("mount");
+  // Sensors of recorded hits cannot be moved.
+  if (pipeline.recording != nullptr || isDistribution(mount) || mount.find("rotation") != nullptr) return;
   comparison.advice = changeMount(comparison, key, isOnWheels, mount);
   if (comparison.advice.empty()) return;
   comparison.assignments = {fmt::format("{}={}", key, flowText(mount))};
@@ -123,17 +106,11 @@ void addMountChanges(SetComparison& comparison, const Pipeline& pipeline, std::s
       "relative to these, and no roll is proposed. With `ground: drop` in all trajectories it leans with the road");
 }
 
-// True if effects are random; random mounts do not count.
-bool drawsEffects(const Pipeline& pipeline) {
-  return pipeline.drawn != nullptr && std::ranges::any_of(pipeline.drawn->items(), [](const ModelledItem& item) {
-           return item.text.find(".mount") == std::string::npos;
-         });
-}
-
 }  // namespace
 
-std::string KeyValue::text() const {
-  return deviation == 0 ? fmt::format("{:g}", mean) : fmt::format("{{normal: [{:g}, {:g}]}}", mean, deviation);
+std::string KeyChange::suggestedText() const {
+  return deviation == 0 ? fmt::format("{:g}", suggested)
+                        : fmt::format("{{normal: [{:g}, {:g}]}}", suggested, deviation);
 }
 
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& effectItems) {
@@ -153,8 +130,8 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
     if (suggested == *current) continue;
     advice.push_back({.key = fmt::format("{}.{}", influence.effect, influence.key),
                       .figure = *figure,
-                      .current = {*current},
-                      .suggested = {suggested},
+                      .current = *current,
+                      .suggested = suggested,
                       .isEnd = allowed != exact});
   }
   return advice;
@@ -168,7 +145,7 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
     // If the pipeline's list lacks the effect, the sensor's file has it; an item added to the list overrides the key.
     if (index == list.items.size()) list.items.emplace_back();
     if (list.items[index].kind != Value::Kind::Map) list.items[index] = {};  // setValue() makes a map of it
-    setValue(list, fmt::format("{}.{}={}", index, change.key, change.suggested.text()));
+    setValue(list, fmt::format("{}.{}={}", index, change.key, change.suggestedText()));
   }
   return "effects=" + flowText(list);
 }
@@ -176,38 +153,38 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
 std::vector<KeyChange> changeMount(const SetComparison& comparison, const std::string& mountKey, bool isOnWheels,
                                    Value& mount) {
   constexpr double kUnlike = 1.5;  // ratio of two deviations over a dozen sequences that chance hardly exceeds
-  const auto squared = [](double value) { return value * value; };
+  const auto toHundredths = [](double value) { return std::round(value * 100) / 100 + 0.0; };  // no -0
   const RoadPoses &realPose = comparison.real.roadPose, &simulatedPose = comparison.simulated.roadPose;
   std::vector<KeyChange> advice;
-  for (const auto& [figure, key, sign] : kMountInfluences) {
+  // Keys of a mount, the figures that they change, and the signs of the changes. The vehicle stands on its own lane:
+  // the ground within 12 m has a cross fall to both sides, whatever the mount's roll.
+  for (const auto& [key, figure, sign] :
+       {std::tuple("position.2", kHeight, 1), {"pitch_deg", kPitch, 1}, {"roll_deg", kLaneSlope, -1}}) {
     const FigureSpread &real = realPose[figure], &simulated = simulatedPose[figure];
-    const std::optional<KeyValue> current = mountValue(mount, key);
-    const bool isMeasured = !std::isnan(real.median) && !std::isnan(simulated.median);
-    if (!current || !isMeasured || (figure == kLaneSlope && !isOnWheels)) continue;
-    KeyValue suggested{toHundredths(current->mean + sign * (real.median - simulated.median)), current->deviation};
-    const double ratio = real.overSequences / simulated.overSequences;  // NaN if a set has too few sequences
-    if (ratio > kUnlike || ratio < 1 / kUnlike) {
-      // Mounts and places vary independently, so that their variances add up.
-      suggested.deviation = toHundredths(std::sqrt(
-          std::max(0.0, squared(current->deviation) + squared(real.overSequences) - squared(simulated.overSequences))));
+    const std::optional<double> current = mountNumber(mount, key);
+    const double difference = real.median - simulated.median;
+    if (!current || std::isnan(difference) || (figure == kLaneSlope && !isOnWheels)) continue;
+    KeyChange change{.key = fmt::format("{}.{}", mountKey, key),
+                     .figure = shownPair(kRoadFigures[figure], real.median, simulated.median),
+                     .current = *current,
+                     .suggested = toHundredths(*current + sign * difference)};
+    // Mounts and places vary independently, so that their variances add up. NaN if a set has too few sequences.
+    if (real.overSequences > kUnlike * simulated.overSequences) {
+      change.deviation =
+          toHundredths(std::sqrt(std::pow(real.overSequences, 2) - std::pow(simulated.overSequences, 2)));
     }
-    if (differenceText(figure, realPose, simulatedPose).empty() && suggested.deviation == current->deviation) continue;
+    if (differenceText(figure, realPose, simulatedPose).empty() && change.deviation == 0) continue;
     if (mount.find("position") == nullptr) setValue(mount, "position=[0, 0, 0]");
-    setValue(mount, fmt::format("{}={}", key, suggested.text()));
-    advice.push_back({.key = fmt::format("{}.{}", mountKey, key),
-                      .figure = shownPair(kRoadFigures[figure], real.median, simulated.median),
-                      .current = *current,
-                      .suggested = suggested});
+    setValue(mount, fmt::format("{}={}", key, change.suggestedText()));
+    advice.push_back(std::move(change));
   }
   return advice;
 }
 
 void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
                    const std::filesystem::path& pipeline) {
-  if (!pathExists(simulated / kManifestName)) {
-    comparison.unadvised = "The second set is not the folder of a dataset.";
-    return;
-  }
+  comparison.unadvised = "The second set is not the folder of a dataset.";
+  if (!pathExists(simulated / kManifestName)) return;
   try {
     const Plan plan = planOfDataset(readManifest(simulated), simulated, pipeline);
     const std::vector<MountedSensor>& sensors = plan.pipeline.sensors;
@@ -218,7 +195,9 @@ void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simul
     std::vector<KeyChange> effects;
     if (comparison.sensorsDiffer()) {
       comparison.unadvised = "The sensors differ.";
-    } else if (drawsEffects(plan.pipeline)) {
+    } else if (holdsDistribution(plan.pipeline.root.valueOf("effects")) ||
+               holdsDistribution(plan.pipeline.root.valueOf("corruption")) ||
+               holdsDistribution(sensors[index].description.valueOf("effects"))) {
       comparison.unadvised = "The second set's effects are random.";
     } else {
       effects = adviceFor(comparison, sensorEffectItems(pipelineItems, sensors[index]));

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 
 namespace scanmill {
 
@@ -19,33 +18,6 @@ constexpr double kUpright = 65;             // angle to the horizontal (degrees)
 constexpr double kLeastCosine = 0.5;
 // Points are on one surface if their ranges differ by less than kNear (m) or than the range times kNearShare.
 constexpr double kNear = 0.5, kNearShare = 0.1;
-
-struct Plane {
-  Vec3d middle, normal;  // centroid (m); unit normal
-  double thickness = 0;  // standard deviation along the normal (m)
-  double width = 0;      // the smaller of the two other standard deviations (m)
-};
-
-// Fits a plane to at least three points by principal components.
-Plane planeOf(std::span<const Vec3d> points) {
-  Plane plane;
-  for (const Vec3d& p : points) plane.middle += p;
-  const auto count = static_cast<double>(points.size());
-  plane.middle = plane.middle * (1 / count);
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();  // sum of the outer products of p - middle
-  for (const Vec3d& p : points) {
-    const Vec3d d = p - plane.middle;
-    const Eigen::Vector3d v(d.x, d.y, d.z);
-    scatter += v * v.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter / count);  // eigenvalues ascend
-  const auto deviation = [&](int i) { return std::sqrt(std::max(0.0, solver.eigenvalues()[i])); };
-  plane.thickness = deviation(0);
-  plane.width = deviation(1);
-  const Eigen::Vector3d n = solver.eigenvectors().col(0);
-  plane.normal = {n.x(), n.y(), n.z()};
-  return plane;
-}
 
 // Measures patches one after the other. addPatch() first stores the patch's pixel, range and window in members, and
 // appends NaN to the lists in `out_`. The functions that measure features then replace the last entry of their list.
@@ -209,7 +181,7 @@ class PatchMeter {
     std::size_t count = 0;
     for (int dc = -kMeasuredReach; dc <= kMeasuredReach; ++dc) {
       if (!onSurface(pixelAt(0, dc))) continue;
-      sum += dot(plane.normal, pointAt(pixelAt(0, dc)) - plane.middle);
+      sum += plane.distanceOf(pointAt(pixelAt(0, dc)));
       ++count;
     }
     if (count < kFewestMeasured) return;
@@ -283,6 +255,26 @@ class PatchMeter {
 };
 
 }  // namespace
+
+Plane planeOf(std::span<const Vec3d> points) {
+  Plane plane;
+  for (const Vec3d& p : points) plane.middle += p;
+  const auto count = static_cast<double>(points.size());
+  plane.middle = plane.middle * (1 / count);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();  // sum of the outer products of p - middle
+  for (const Vec3d& p : points) {
+    const Vec3d d = p - plane.middle;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    scatter += v * v.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter / count);  // eigenvalues ascend
+  const auto deviation = [&](int i) { return std::sqrt(std::max(0.0, solver.eigenvalues()[i])); };
+  plane.thickness = deviation(0);
+  plane.width = deviation(1);
+  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  plane.normal = Vec3d{n.x(), n.y(), n.z()} * (n.z() < 0 ? -1 : 1);
+  return plane;
+}
 
 void Patches::append(const Patches& more) {
   const auto add = [](auto& list, const auto& added) { list.insert(list.end(), added.begin(), added.end()); };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -28,7 +29,21 @@ struct ComparedFigure {
   std::string_view meaning;   // explanation, as a phrase
   std::string_view keys;      // what influences the figure: keys of a pipeline, properties of the scene
   bool isMostlyZero = false;  // true: users see the feature's mean over patches; false: its median
+  // Words for a simulated set whose value is greater or less, and the smallest difference that they name.
+  std::string_view more{}, less{};
+  double leastDifference = 0;
 };
+
+struct Plane {
+  Vec3d middle, normal;  // centroid (m); unit normal, upwards
+  double thickness = 0;  // standard deviation along the normal (m)
+  double width = 0;      // the smaller of the two other standard deviations (m)
+
+  double distanceOf(const Vec3d& p) const { return dot(normal, p - middle); }  // m, positive above the plane
+};
+
+// Fits a plane to at least three points by principal components.
+Plane planeOf(std::span<const Vec3d> points);
 
 enum class Feature : std::size_t {
   RangeScatter,

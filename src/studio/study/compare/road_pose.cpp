@@ -3,14 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iterator>
-#include <map>
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "evaluate/spread.h"
-#include "study/linear_fit.h"
 
 namespace scanmill {
 
@@ -18,38 +16,32 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-// Words for the simulated sensor's difference in a figure, and the smallest difference that counts.
-struct DifferenceWords {
-  std::string_view more, less;
-  double least;
-};
-constexpr std::array<DifferenceWords, kRoadFigureCount> kDifferenceWords{
-    {{"farther down", "less down", 0.05},
-     {"higher on the left", "lower on the left", 0.05},
-     {"higher", "lower", 0.01},
-     {"more to the left", "less to the left", 0.05},
-     {"farther", "nearer", 0.25},
-     {"farther", "nearer", 0.25}}};
+// Returns the points that are at most `limit` (m) from the plane.
+std::vector<Vec3d> pointsNear(const Plane& plane, double limit, std::vector<Vec3d> points) {
+  std::erase_if(points, [&](const Vec3d& p) { return std::fabs(plane.distanceOf(p)) > limit; });
+  return points;
+}
 
 // Fits a plane, then three times without the points that are far from the previous plane. Returns nothing if the points
 // are too few.
-std::optional<LevelPlane> robustPlane(const std::vector<Vec3d>& points) {
+std::optional<Plane> robustPlane(const std::vector<Vec3d>& points) {
   constexpr std::size_t kFewestPoints = 30;
   constexpr double kOutlierRatio = 3;      // multiple of the median distance from the plane
   constexpr double kLeastDistance = 0.02;  // m, nearer points are no outliers
   if (points.size() < kFewestPoints) return {};
-  LevelPlane plane(points);
+  Plane plane = planeOf(points);
   for (int round = 0; round < 3; ++round) {
     std::vector<double> distances;
     distances.reserve(points.size());
-    for (const Vec3d& p : points) distances.push_back(std::fabs(plane.heightAbove(p)));
+    for (const Vec3d& p : points) distances.push_back(std::fabs(plane.distanceOf(p)));
     const double limit = std::max(kOutlierRatio * medianOf(std::move(distances)), kLeastDistance);
-    std::vector<Vec3d> inliers;
-    std::ranges::copy_if(points, std::back_inserter(inliers),
-                         [&](const Vec3d& p) { return std::fabs(plane.heightAbove(p)) <= limit; });
-    plane = LevelPlane(inliers);
+    plane = planeOf(pointsNear(plane, limit, points));
   }
   return plane;
+}
+
+double rollOver(const Plane& plane) {
+  return degrees(std::atan2(plane.normal.y, plane.normal.z));
 }
 
 // Returns the ids of the ontology's classes of ground; true for those of the road.
@@ -79,27 +71,12 @@ double edgeOf(const Strips& strips) {
 
 }  // namespace
 
-LevelPlane::LevelPlane(const std::vector<Vec3d>& points) {
-  std::vector<double> design, heights;
-  heights.reserve(points.size());
-  for (const Vec3d& p : points) {
-    design.insert(design.end(), {1, p.y, p.x});
-    heights.push_back(p.z);
-  }
-  const LinearFit fit = fitLinear(design, 3, heights);
-  height = fit.coefficients[0];
-  left = fit.coefficients[1];
-  ahead = fit.coefficients[2];
-  deviation = std::sqrt(fit.squares / static_cast<double>(fit.freedom()));
-}
-
 std::vector<Vec3d> groundAmong(std::vector<Vec3d> points) {
   constexpr double kLeastDepth = 0.3;    // m below the sensor
   constexpr double kMostDistance = 0.5;  // m from the plane
   constexpr double kLargeCell = 4;       // m
   constexpr std::size_t kFewestPoints = 200, kFewestCells = 8;
   std::erase_if(points, [](const Vec3d& p) { return p.z >= -kLeastDepth; });
-  if (points.size() < kFewestPoints) return {};
   std::map<std::pair<double, double>, Vec3d> lowest;  // lowest point by cell
   for (const Vec3d& p : points) {
     Vec3d& ofCell = lowest.try_emplace({std::floor(p.x / kLargeCell), std::floor(p.y / kLargeCell)}, p).first->second;
@@ -110,10 +87,7 @@ std::vector<Vec3d> groundAmong(std::vector<Vec3d> points) {
   ground.reserve(lowest.size());
   for (const auto& [cell, point] : lowest) ground.push_back(point);
   for (int round = 0; round < 3; ++round) {
-    const LevelPlane plane(ground);
-    ground.clear();
-    std::ranges::copy_if(points, std::back_inserter(ground),
-                         [&](const Vec3d& p) { return std::fabs(plane.heightAbove(p)) < kMostDistance; });
+    ground = pointsNear(planeOf(ground), kMostDistance, points);
     if (ground.size() < kFewestPoints) return {};
   }
   return ground;
@@ -127,7 +101,7 @@ RoadPose roadPoseOf(const Scan& scan, const Ontology* ontology, double heading) 
   const bool byClass = ontology != nullptr && !scan[kLabel].empty();
   const std::map<std::uint16_t, bool> isRoad = byClass ? groundClasses(*ontology) : std::map<std::uint16_t, bool>();
   const Mat3 vehicleFromScan = toMatrix(fromYawPitchRoll(-heading, 0, 0));
-  std::vector<Vec3d> ground, lane;
+  std::vector<Vec3d> ground;
   Strips left{}, right{};
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3d p = vehicleFromScan * Vec3d(scan.position[i]);
@@ -141,52 +115,47 @@ RoadPose roadPoseOf(const Scan& scan, const Ontology* ontology, double heading) 
     if (distance >= kNearest && distance <= kFarthest && (!byClass || found->second)) ground.push_back(p);
   }
   if (!byClass) ground = groundAmong(std::move(ground));
-  std::ranges::copy_if(ground, std::back_inserter(lane), [](const Vec3d& p) { return std::fabs(p.y) < kHalfLane; });
   RoadPose pose;
   pose.fill(kUnknown);
   pose[kLeftEdge] = edgeOf(left);
   pose[kRightEdge] = edgeOf(right);
-  if (const std::optional<LevelPlane> plane = robustPlane(ground)) {
-    const double normal = std::sqrt(1 + plane->ahead * plane->ahead + plane->left * plane->left);
-    pose[kPitch] = degrees(std::asin(plane->ahead / normal));
-    pose[kRoll] = degrees(std::atan(-plane->left));
-    pose[kHeight] = -plane->height / normal;
+  if (const std::optional<Plane> plane = robustPlane(ground)) {
+    pose[kPitch] = -degrees(std::asin(plane->normal.x));
+    pose[kRoll] = rollOver(*plane);
+    pose[kHeight] = plane->distanceOf({});
   }
-  if (const std::optional<LevelPlane> plane = robustPlane(lane)) pose[kLaneSlope] = degrees(std::atan(plane->left));
+  std::erase_if(ground, [](const Vec3d& p) { return std::fabs(p.y) >= kHalfLane; });
+  if (const std::optional<Plane> lane = robustPlane(ground)) pose[kLaneSlope] = -rollOver(*lane);
   return pose;
 }
 
-RoadPoses spreadsOf(const std::vector<RoadPose>& poses, const std::vector<std::string>& sequences) {
+RoadPoses spreadsOf(const PosesBySequence& poses) {
   constexpr std::size_t kFewestSequences = 3;
   RoadPoses spreads;
   for (std::size_t f = 0; f < kRoadFigureCount; ++f) {
-    std::vector<double> values, medians;
-    values.reserve(poses.size());
-    std::map<std::string, std::vector<double>> bySequence;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      values.push_back(poses[i][f]);
-      if (!std::isnan(values[i])) bySequence[sequences[i]].push_back(values[i]);
+    std::vector<double> values, medians;  // of the scans; of the sequences
+    for (const auto& [sequence, ofSequence] : poses) {
+      std::vector<double> inSequence;
+      inSequence.reserve(ofSequence.size());
+      for (const RoadPose& pose : ofSequence) inSequence.push_back(pose[f]);
+      values.insert(values.end(), inSequence.begin(), inSequence.end());
+      medians.push_back(quantileOf(std::move(inSequence), 0.5));
     }
-    medians.reserve(bySequence.size());
-    for (const auto& [sequence, ofSequence] : bySequence) medians.push_back(medianOf(ofSequence));
-    double squares = 0;
-    for (const double median : medians) squares += std::pow(median - meanOf(medians), 2);
-    const auto freedom = static_cast<double>(medians.size()) - 1;
+    std::erase_if(medians, [](double median) { return std::isnan(median); });
     spreads[f] = {.median = quantileOf(values, 0.5),
-                  .lowerQuartile = quantileOf(values, 0.25),
-                  .upperQuartile = quantileOf(values, 0.75),
-                  .spread = (quantileOf(values, 0.84) - quantileOf(values, 0.16)) / 2,
-                  .overSequences = medians.size() < kFewestSequences ? kUnknown : std::sqrt(squares / freedom)};
+                  .low = quantileOf(values, 0.16),
+                  .high = quantileOf(values, 0.84),
+                  .overSequences = medians.size() < kFewestSequences ? kUnknown : deviationOf(medians)};
   }
   return spreads;
 }
 
 std::string differenceText(std::size_t figure, const RoadPoses& real, const RoadPoses& simulated) {
+  const ComparedFigure& words = kRoadFigures[figure];
   const double difference = simulated[figure].median - real[figure].median;
-  const DifferenceWords& words = kDifferenceWords[figure];
-  if (!(std::fabs(difference) > std::max(real[figure].spread, words.least))) return {};
-  return fmt::format("{:.2g} {} {}", std::fabs(difference), kRoadFigures[figure].unit,
-                     difference > 0 ? words.more : words.less);
+  const double usual = std::max((real[figure].high - real[figure].low) / 2, words.leastDifference);
+  if (!(std::fabs(difference) > usual)) return {};
+  return fmt::format("{:.2g} {} {}", std::fabs(difference), words.unit, difference > 0 ? words.more : words.less);
 }
 
 }  // namespace scanmill

@@ -3,9 +3,9 @@
 // Measures how a sensor stands on the road: its pose over the ground near by, and its place between the road's edges.
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,17 +15,6 @@
 #include "study/compare/patches.h"
 
 namespace scanmill {
-
-// The plane z = ahead * x + left * y + height.
-struct LevelPlane {
-  double ahead = 0, left = 0;  // slopes along x and y (m per m)
-  double height = 0;           // z at x = y = 0 (m)
-  double deviation = 0;        // standard deviation of the points' heights above the plane (m)
-
-  explicit LevelPlane(const std::vector<Vec3d>& points);  // fits the plane by least squares
-
-  double heightAbove(const Vec3d& p) const { return p.z - ahead * p.x - left * p.y - height; }
-};
 
 // Returns those of the points that are on the ground; none if they are too few. A plane is fitted to the lowest point
 // in each cell of 4 m, then twice to all points within 0.5 m of the previous plane; points within 0.5 m of the last
@@ -37,18 +26,19 @@ std::vector<Vec3d> groundAmong(std::vector<Vec3d> points);
 inline constexpr auto kRoadFigures = std::to_array<ComparedFigure>({
     {"pitch", "pitch", "deg", 1,
      "by how much the sensor looks down on the ground within 12 m: the road, or without labels what is level",
-     "the sensor's mount (pitch_deg)"},
+     "the sensor's mount (pitch_deg)", false, "farther down", "less down", 0.05},
     {"roll", "roll", "deg", 1, "by how much its left side is raised over the same ground",
-     "the road's cross fall; the sensor's mount (roll_deg)"},
-    {"height", "height", "m", 1, "distance from the same ground", "the sensor's mount (position)"},
+     "the road's cross fall; the sensor's mount (roll_deg)", false, "higher on the left", "lower on the left", 0.05},
+    {"height", "height", "m", 1, "distance from the same ground", "the sensor's mount (position)", false, "higher",
+     "lower", 0.01},
     {"lane_slope", "slope across the own lane", "deg", 1,
      "by how much the ground less than 1.3 m beside the sensor rises to the left",
-     "the sensor's mount (roll_deg); the trajectory's ground"},
+     "the sensor's mount (roll_deg); the trajectory's ground", false, "more to the left", "less to the left", 0.05},
     {"left_edge", "left edge of the road", "m", 1,
      "distance of the nearest strip of 0.25 m in which most of the ground is of other classes",
-     "where the vehicle drives, how wide roads are"},
+     "where the vehicle drives, how wide roads are", false, "farther", "nearer", 0.25},
     {"right_edge", "right edge of the road", "m", 1, "the same to the right",
-     "where the vehicle drives, how wide roads are"},
+     "where the vehicle drives, how wide roads are", false, "farther", "nearer", 0.25},
 });
 inline constexpr std::size_t kRoadFigureCount = kRoadFigures.size();
 enum RoadFigure : std::size_t { kPitch, kRoll, kHeight, kLaneSlope, kLeftEdge, kRightEdge };  // indices in kRoadFigures
@@ -63,23 +53,16 @@ RoadPose roadPoseOf(const Scan& scan, const Ontology* ontology, double heading =
 // The distribution of a figure over the scans of a set; NaN if no scan shows the figure.
 struct FigureSpread {
   double median = std::numeric_limits<double>::quiet_NaN();
-  double lowerQuartile = median, upperQuartile = median;
-  double spread = median;  // half of the distance between the percentiles 16 and 84
-  // Standard deviation over the medians of the sequences; NaN for fewer than three sequences.
-  double overSequences = median;
+  double low = median, high = median;  // percentiles 16 and 84
+  double overSequences = median;  // standard deviation of the sequences' medians; NaN for fewer than three sequences
 };
 using RoadPoses = std::array<FigureSpread, kRoadFigureCount>;
 
-// `sequences`: name of each scan's sequence.
-RoadPoses spreadsOf(const std::vector<RoadPose>& poses, const std::vector<std::string>& sequences);
+using PosesBySequence = std::map<std::string, std::vector<RoadPose>>;  // poses of the scans, by the sequence's name
+RoadPoses spreadsOf(const PosesBySequence& poses);
 
 // Returns how the simulated sensor differs, such as "0.71 deg less down"; empty if the medians differ by no more than
-// the spread within the real set.
+// half of the distance between the real set's percentiles.
 std::string differenceText(std::size_t figure, const RoadPoses& real, const RoadPoses& simulated);
-
-// Rounds to hundredths, without a negative zero.
-inline double toHundredths(double value) {
-  return std::round(value * 100) / 100 + 0.0;
-}
 
 }  // namespace scanmill

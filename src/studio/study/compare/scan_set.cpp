@@ -37,9 +37,7 @@ struct ScanMeasures {
   std::uint64_t inRuns = 0, single = 0;  // beams in `missing` in runs of more than kLongRun, and in runs of one
   std::vector<double> residuals;         // for each scan with ground: standard deviation from the ground's plane (m)
   std::vector<double> relief;            // standard deviation of the heights from each cell's plane (m)
-  // For each scan: how the sensor stands, with the ground found by class and by shape; name of the scan's sequence.
-  std::vector<RoadPose> posesByClass, posesByShape;
-  std::vector<std::string> sequences;
+  PosesBySequence posesByClass, posesByShape;  // how the sensor stands, with the ground found by class and by shape
 
   void add(ScanMeasures&& more) {
     ++set.scans;
@@ -59,9 +57,8 @@ struct ScanMeasures {
     const auto append = [](auto& list, const auto& added) { list.insert(list.end(), added.begin(), added.end()); };
     append(residuals, more.residuals);
     append(relief, more.relief);
-    append(posesByClass, more.posesByClass);
-    append(posesByShape, more.posesByShape);
-    append(sequences, more.sequences);
+    for (const auto& [sequence, poses] : more.posesByClass) append(posesByClass[sequence], poses);
+    for (const auto& [sequence, poses] : more.posesByShape) append(posesByShape[sequence], poses);
   }
 };
 
@@ -108,63 +105,34 @@ void countBeams(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
   }
 }
 
-// Points by square cell, as seen from above.
-using GroundCells = std::map<std::pair<int, int>, std::vector<Vec3d>>;
-
-GroundCells cellsOf(const std::vector<Vec3d>& points) {
-  GroundCells cells;
-  for (const Vec3d& p : points) {
-    cells[{static_cast<int>(std::floor(p.x / kCell)), static_cast<int>(std::floor(p.y / kCell))}].push_back(p);
-  }
-  return cells;
-}
-
-// Returns the ground's points by cell (edge kCell), without cells that contain objects; nothing if too few points
-// remain.
-GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
-  constexpr std::size_t kFewestPoints = 200;
+// Adds the residual and the relief of the scan's ground, if enough ground is found.
+void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
+  constexpr std::size_t kFewestPoints = 200, kFewestInCell = 6;
+  constexpr double kLeastWidth = 0.05;  // m; no plane can be fitted to the points of one ring
   std::vector<Vec3d> points;
   for (const std::uint32_t point : grid.point) {
     if (point == RangeGrid::kNone) continue;
     const Vec3d p(scan.position[point]);
     if (std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
   }
-  GroundCells cells = cellsOf(groundAmong(std::move(points)));
+  std::map<std::pair<double, double>, std::vector<Vec3d>> cells;  // ground by square cell, as seen from above
+  for (const Vec3d& p : groundAmong(std::move(points))) {
+    cells[{std::floor(p.x / kCell), std::floor(p.y / kCell)}].push_back(p);
+  }
   std::erase_if(cells, [](const auto& cell) {
     const auto [low, high] = std::ranges::minmax_element(cell.second, {}, &Vec3d::z);
     return high->z - low->z > kObjectStep;
   });
-  std::size_t remainingPoints = 0;
-  for (const auto& [cell, pointsInCell] : cells) remainingPoints += pointsInCell.size();
-  return remainingPoints < kFewestPoints ? GroundCells() : cells;
-}
-
-// Returns the points of a cell relative to their mean (m); nothing if they hardly vary in x or in y, as points of one
-// ring may do, since no plane can then be fitted.
-std::vector<Vec3d> centred(std::vector<Vec3d> points) {
-  constexpr double kLeastDeviation = 0.05;  // m, least standard deviation in x and in y
-  const double share = 1 / static_cast<double>(points.size());
-  Vec3d middle, variance;
-  for (const Vec3d& p : points) middle += p * share;
-  for (Vec3d& p : points) {
-    p = p - middle;
-    variance += Vec3d{p.x * p.x, p.y * p.y, 0} * share;
-  }
-  return std::sqrt(std::min(variance.x, variance.y)) >= kLeastDeviation ? points : std::vector<Vec3d>();
-}
-
-// Adds the residual and the relief of the scan's ground, if enough ground is found.
-void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
-  constexpr std::size_t kFewestInCell = 6;
-  const GroundCells cells = groundOf(scan, grid);
-  if (cells.empty()) return;
   std::vector<Vec3d> ground;
-  for (const auto& [cell, points] : cells) ground.insert(ground.end(), points.begin(), points.end());
-  counts.residuals.push_back(LevelPlane(ground).deviation);
-  for (const auto& [cell, points] : cells) {
-    if (points.size() < kFewestInCell) continue;
-    const std::vector<Vec3d> local = centred(points);
-    if (!local.empty()) counts.relief.push_back(LevelPlane(local).deviation);
+  for (const auto& [cell, inCell] : cells) ground.insert(ground.end(), inCell.begin(), inCell.end());
+  if (ground.size() < kFewestPoints) return;
+  counts.residuals.push_back(planeOf(ground).thickness);
+  for (const auto& [cell, inCell] : cells) {
+    if (inCell.size() < kFewestInCell) continue;
+    const Plane plane = planeOf(inCell);
+    const auto count = static_cast<double>(inCell.size());
+    // The plane has three coefficients, which make the points seem nearer to it.
+    if (plane.width >= kLeastWidth) counts.relief.push_back(plane.thickness * std::sqrt(count / (count - 3)));
   }
 }
 
@@ -174,15 +142,14 @@ ScanMeasures measureScan(const Scan& scan, std::size_t index, const Ontology* on
                          const std::string& sequence = "", double heading = 0) {
   const RangeGrid grid = rangeGrid(scan);
   ScanMeasures counts;
-  counts.set.rows = grid.rows;
-  counts.set.knowsRings = grid.knowsRings;
-  counts.set.knowsMisses = grid.knowsMisses;
-  counts.set.labelled = !scan[kLabel].empty();
+  counts.set = {.rows = grid.rows,
+                .knowsRings = grid.knowsRings,
+                .knowsMisses = grid.knowsMisses,
+                .labelled = !scan[kLabel].empty()};
   countBeams(scan, grid, counts);
   measureGround(scan, grid, counts);
-  counts.posesByClass = {roadPoseOf(scan, ontology, heading)};
-  counts.posesByShape = {roadPoseOf(scan, nullptr, heading)};
-  counts.sequences = {sequence};
+  if (ontology != nullptr) counts.posesByClass[sequence] = {roadPoseOf(scan, ontology, heading)};
+  counts.posesByShape[sequence] = {roadPoseOf(scan, nullptr, heading)};
   counts.set.patches = patchesOf(scan, grid, static_cast<std::uint32_t>(index));
   return counts;
 }
@@ -259,8 +226,8 @@ ScanSet combine(std::string name, std::vector<ScanMeasures> scanMeasures, std::o
   set.stored = set.scans;
   set.labelled = set.labelled && ontology.has_value() && set.scans > 0;
   set.ontology = std::move(ontology);
-  set.roadPoseByShape = spreadsOf(sum.posesByShape, sum.sequences);
-  set.roadPose = set.labelled ? spreadsOf(sum.posesByClass, sum.sequences) : set.roadPoseByShape;
+  set.roadPoseByShape = spreadsOf(sum.posesByShape);
+  set.roadPose = set.labelled ? spreadsOf(sum.posesByClass) : set.roadPoseByShape;
   set.figures.fill(kNaN);
   if (set.knowsMisses) {
     figureNamed(set, "returns") = shareOf(set.points, sum.beams, kNaN);

@@ -52,7 +52,7 @@ double withoutStep(double deviation, double step) {
 double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
                       const std::function<double(const FlatPatches&)>& measure) {
   if (patches.size() < 2) return 0;
-  double sum = 0, squares = 0;
+  std::vector<double> values;
   FlatPatches sampled(patches.size());
   for (std::uint32_t round = 0; round < kResamples; ++round) {
     for (std::uint32_t i = 0; i < patches.size(); ++i) {
@@ -60,12 +60,9 @@ double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
           randomBlock({.scene = stream, .frame = round, .beam = i, .purpose = Purpose::Bootstrap});
       sampled[i] = patches[static_cast<std::size_t>(uniform(block[0]) * static_cast<double>(patches.size()))];
     }
-    const double value = measure(sampled);
-    sum += value;
-    squares += value * value;
+    values.push_back(measure(sampled));
   }
-  const double mean = sum / kResamples;
-  return std::sqrt(std::max(0.0, squares / kResamples - mean * mean) * kResamples / (kResamples - 1));
+  return deviationOf(values);
 }
 
 // Returns FlatPatch::holes divided by FlatPatch::enclosed, over all patches. `stream`: selects the random numbers.

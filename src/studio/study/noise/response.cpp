@@ -378,16 +378,9 @@ double misfitOf(const Surfaces& recorded, const Surfaces& simulated, const std::
 double scatterOf(const std::vector<SurfaceCell>& cells, const auto& intensityOf) {
   std::vector<double> deviations;
   for (const SurfaceCell& cell : cells) {
-    double sum = 0, squares = 0;
-    bool hasZeros = false;
-    for (const SurfaceReturn& s : cell.samples) {
-      const double v = intensityOf(s);
-      hasZeros |= v <= 0;
-      sum += v;
-      squares += v * v;
-    }
-    const auto n = static_cast<double>(cell.samples.size());
-    if (!hasZeros) deviations.push_back(std::sqrt(std::max(0.0, squares - sum * sum / n) / (n - 1)));
+    std::vector<double> intensities;
+    for (const SurfaceReturn& s : cell.samples) intensities.push_back(intensityOf(s));
+    if (std::ranges::min(intensities) > 0) deviations.push_back(deviationOf(intensities));
   }
   return medianOf(std::move(deviations));
 }

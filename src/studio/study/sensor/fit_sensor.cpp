@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "evaluate/spread.h"
+#include "study/linear_fit.h"
 
 namespace scanmill {
 namespace {
@@ -53,25 +54,18 @@ struct RingLine {
 
 // Fits the line by least squares. Returns nothing if the points are too few or their axis distances vary too little.
 std::optional<RingLine> fitRingLine(const std::vector<const Point*>& points) {
-  const auto n = static_cast<double>(points.size());
   if (points.size() < kFewestInRing) return std::nullopt;
-  double sumX = 0, sumY = 0, sumXX = 0, sumXY = 0;  // x: distance from the axis, y: height (m)
+  std::vector<double> design, distances, heights;
   for (const Point* p : points) {
-    const double x = axisDistance(*p), y = p->position.z;
-    sumX += x;
-    sumY += y;
-    sumXX += x * x;
-    sumXY += x * y;
+    distances.push_back(axisDistance(*p));
+    heights.push_back(p->position.z);
+    design.insert(design.end(), {1, distances.back()});
   }
-  const double variance = sumXX / n - sumX / n * (sumX / n);  // variance of x
-  if (!(variance > kLeastSpread * kLeastSpread)) return std::nullopt;
-  RingLine line;
-  line.slope = (sumXY / n - sumX / n * (sumY / n)) / variance;
-  line.intercept = (sumY - line.slope * sumX) / n;
-  double squares = 0;
-  for (const Point* p : points) squares += line.residual(*p) * line.residual(*p);
-  line.interceptError = std::sqrt(squares / n * (sumXX / n) / (n * variance)) + 1e-6;
-  return line;
+  const double deviation = deviationOf(distances), mean = meanOf(distances);
+  if (!(deviation > kLeastSpread)) return std::nullopt;
+  const LinearFit fit = fitLinear(design, 2, heights);
+  const double error = std::sqrt(fit.squares) / static_cast<double>(points.size()) * std::hypot(1, mean / deviation);
+  return RingLine{.slope = fit.coefficients[1], .intercept = fit.coefficients[0], .interceptError = error + 1e-6};
 }
 
 // Fits a line to the points of a ring, three times; after each fit, removes points that are far from the line. Returns

@@ -1,5 +1,7 @@
 #include "viewer/window/canvas_items.h"
 
+#include "evaluate/spread.h"
+
 namespace scanmill {
 
 namespace {
@@ -49,10 +51,7 @@ double groundHeight(std::span<const Vec3f> points, const Affine& pose) {
   for (const Vec3f& p : points) {
     if (isFinite(p)) heights.push_back((pose * Vec3d(p)).z);
   }
-  if (heights.empty()) return 0;
-  const auto nth = static_cast<std::ptrdiff_t>(kGroundPercentile * static_cast<double>(heights.size() - 1));
-  std::ranges::nth_element(heights, heights.begin() + nth);
-  return heights[static_cast<std::size_t>(nth)];
+  return heights.empty() ? 0 : quantileOf(std::move(heights), kGroundPercentile);
 }
 
 }  // namespace scanmill

@@ -32,11 +32,5 @@ TEST_F(RepeatedScans, TheReportNamesWhatWasLookedAtAndWhatIsWrong) {
               testing::AllOf(HasSubstr("Warning: noise"), HasSubstr("2026-01-02"), HasSubstr("21 x 21 beams")));
 }
 
-TEST_F(RepeatedScans, TheReportNamesEveryMethod) {
-  const std::string methods = "  methods: [ray_tracing, {ray_tracing: {instancing: always}}]\n";
-  EXPECT_THAT(repeatabilityReport(measure(pipeline(kShells + methods)), "2026-01-02"),
-              HasSubstr("ray_tracing instancing=always"));
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -197,7 +197,7 @@ TEST(Compare, IsTheSameWhateverTheThreads) {
   EXPECT_EQ(parsed["grouped_by"], "class");
   EXPECT_EQ(parsed["features"].size(), kFeatureCount);
   EXPECT_EQ(parsed["figures"].size(), kSetFigureCount);
-  EXPECT_EQ(parsed["road_pose"].size(), 4u);  // all but the edges, since no class is a road
+  EXPECT_EQ(parsed["road_pose"].size(), kRoadFigureCount);
 }
 
 // A sensor that turns more slowly than frames follow each other has no scan in some samples.

@@ -1,7 +1,5 @@
-#include "dataset/scan_store.h"
 #include "study/compare/patches.h"
 #include "tests/studio/study/compare/compare_scans.h"
-#include "tests/support/shared_data.h"
 
 namespace scanmill {
 namespace {
@@ -98,28 +96,6 @@ TEST(RangeGrid, OfSeveralReturnsTheNearestIsTaken) {
     ASSERT_EQ(grid.point[pixel], i);
     ASSERT_EQ(grid.returns[pixel], i % 7 == 0 ? 2 : 1);
   }
-}
-
-// An OS1-128 whose lasers stand up to 8.4 degrees beside one another: beams above one another look the same way.
-TEST(RangeGrid, TheStaggerOfARealSensorIsTakenOut) {
-  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1796.pcd");
-  const ScanStore store(sharedData() / "lidar/ouster_os1_128/frame_1796.pcd");
-  const Scan scan = store.decode(0, {});
-  const RangeGrid grid = rangeGrid(scan);
-  ASSERT_EQ(grid.rows, 128u);
-  ASSERT_EQ(grid.columns, 1024u);
-  EXPECT_TRUE(grid.wraps);
-  std::vector<double> apart;
-  for (std::uint32_t r = 0; r + 1 < grid.rows; ++r) {
-    for (std::uint32_t c = 0; c < grid.columns; ++c) {
-      const std::uint32_t a = grid.point[grid.at(r, c)], b = grid.point[grid.at(r + 1, c)];
-      if (a == RangeGrid::kNone || b == RangeGrid::kNone) continue;
-      const Vec3f &p = scan.position[a], &q = scan.position[b];
-      apart.push_back(std::fabs(std::remainder(std::atan2(p.y, p.x) - std::atan2(q.y, q.x), 2 * M_PI)));
-    }
-  }
-  std::ranges::sort(apart);
-  EXPECT_LT(apart[apart.size() * 9 / 10], 2 * kPi / 1024);
 }
 
 }  // namespace

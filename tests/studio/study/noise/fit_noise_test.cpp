@@ -263,10 +263,6 @@ TEST(WithEffects, ReplacesTheListAndNothingElse) {
   EXPECT_EQ(withEffects("elevation_deg: [1]\neffects: [quantize: {step_m: 1},\n  dropout: {probability: 1}]", "s.yaml",
                         fitted),
             "elevation_deg: [1]\n" + fitted);
-  // A response alone leaves the noise as it is.
-  EXPECT_THAT(withEffects("elevation_deg: [1]\neffects:\n  - range_noise: {sigma_m: 1}\n  - intensity: {gain: 2}\n",
-                          "s.yaml", "effects:\n  - intensity: {gain: 3}\n"),
-              AllOf(HasSubstr("range_noise"), HasSubstr("gain: 3"), Not(HasSubstr("gain: 2"))));
   EXPECT_THAT(messageOf([&] { withEffects("{model: a, elevation_deg: [1]}", "s.yaml", fitted); }),
               HasSubstr("a line of its own"));
   EXPECT_THAT(messageOf([&] { withEffects("scenes: []\n", "s.yaml", fitted); }), HasSubstr("pipeline"));
@@ -343,14 +339,6 @@ TEST(FitNoise, SaysWhereItsModelEnds) {
   NoiseFit near = one;
   near.sensorReach = one.usedBands().back()->range;
   EXPECT_TRUE(beyondMeasured(near).empty());
-}
-
-TEST(FitNoise, SaysWhatFewBandsCannotShow) {
-  NoiseFit fit;
-  fit.bands.resize(1);
-  EXPECT_THAT(effectsYaml(fit, "today"), HasSubstr("; one band of ranges cannot show growth.\n"));
-  fit.bands.resize(2);
-  EXPECT_THAT(effectsYaml(fit, "today"), HasSubstr("; two bands of ranges cannot test a line.\n"));
 }
 
 }  // namespace

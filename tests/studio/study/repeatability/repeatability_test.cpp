@@ -193,12 +193,10 @@ TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {
   expectRefusedAt("  scans: 1\n", {"p.yaml:11", "scans"});
   expectRefusedAt("  noise: []\n", {"p.yaml:11", "noise must be a list"});
   expectRefusedAt("  noise: [{name: a, effects: [{shel: {}}]}]\n", {"p.yaml:11", "did you mean 'shell'?"});
-  expectRefusedAt("  noise: [{name: a, effects: [{shell: {scale: 1}}]}]\n", {"p.yaml:11", "scale_m"});
   expectRefusedAt("  noise: [{name: a, effects: sensor}]\n", {"p.yaml:11", "has no effects: measure"});
   expectRefusedAt("  noise: [{name: a}]\n", {"p.yaml:11", "effects"});
   expectRefusedAt("  noise: [{name: a, effects: []}, {name: a, effects: []}]\n", {"p.yaml:11", "two noise levels"});
   expectRefusedAt("  noise: [{name: a, effects: []}]\n  reference: b\n", {"p.yaml:12", "unknown noise level 'b'"});
-  expectRefusedAt("  methods: [ray_tracer]\n", {"p.yaml:11", "did you mean 'ray_tracing'?"});
   expectRefusedAt("  margin_m: -1\n", {"p.yaml:11", "margin_m"});
   expectRefusedAt("  icp: {iterations: 0}\n", {"p.yaml:11", "iterations"});
   expectRefusedAt("  icp: {reach: 1}\n", {"p.yaml:11", "reach_m"});
