@@ -53,6 +53,7 @@ double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
                       const std::function<double(const FlatPatches&)>& measure) {
   if (patches.size() < 2) return 0;
   std::vector<double> values;
+  values.reserve(kResamples);
   FlatPatches sampled(patches.size());
   for (std::uint32_t round = 0; round < kResamples; ++round) {
     for (std::uint32_t i = 0; i < patches.size(); ++i) {

@@ -379,6 +379,7 @@ double scatterOf(const std::vector<SurfaceCell>& cells, const auto& intensityOf)
   std::vector<double> deviations;
   for (const SurfaceCell& cell : cells) {
     std::vector<double> intensities;
+    intensities.reserve(cell.samples.size());
     for (const SurfaceReturn& s : cell.samples) intensities.push_back(intensityOf(s));
     if (std::ranges::min(intensities) > 0) deviations.push_back(deviationOf(intensities));
   }

@@ -151,6 +151,30 @@ TEST(Report, TheParetoChartAlwaysNamesDefaults) {
   EXPECT_THAT(labels, testing::Contains("ray tracing"));
 }
 
+TEST(Report, HostileTextStaysText) {
+  const std::string hostile = "</title></script><img src=x onerror='alert(1)'>&\"";
+  Study study = picturedStudy();
+  for (SettingResult& s : study.settings) {
+    s.setting.name += hostile;
+    s.setting.options = "{a: " + hostile + "}";
+    if (!s.failure.empty()) s.failure += hostile;
+    s.measured.warnings = {hostile};
+    for (ErrorGroup& g : s.measured.errors.byClass) g.name += hostile;
+    if (!s.measured.cost.stages.empty()) s.measured.cost.stages[hostile] = 1e-3;
+  }
+  for (EncodingResult& e : study.encodings) e.name += hostile, e.format += hostile;
+  study.pipelineName = study.pipelineText = study.pipelineFile = study.machine.processor = study.machine.renderer =
+      study.date = hostile;
+  study.programVersion = study.scene.key = study.sensors[0] = study.leftOut[0] = hostile;
+  study.pictures[0].setting = hostile;
+  study.commonStages[hostile] = 1;
+  const std::string html = pageOf(study);
+  EXPECT_THAT(html, Not(HasSubstr("<img src=x")));
+  EXPECT_EQ(countOf(studyReport(study, "out"), "</script>"), 1u) << "the program's";
+  EXPECT_EQ(countOf(html, "<img"), 1u);
+  expectBalanced(html);
+}
+
 TEST(Report, OfNothingSaysSo) {
   const std::string html = pageOf(Study{});
   expectBalanced(html);
