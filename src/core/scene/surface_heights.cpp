@@ -131,14 +131,17 @@ struct SurfaceHeights::Hierarchy {
   }
 };
 
-SurfaceHeights::SurfaceHeights(const Scene& scene) : scene_(scene), hierarchy_(std::make_unique<Hierarchy>()) {}
+SurfaceHeights::SurfaceHeights(const Scene& scene, std::function<bool(std::uint16_t)> isNeeded)
+    : scene_(scene), isNeeded_(std::move(isNeeded)), hierarchy_(std::make_unique<Hierarchy>()) {}
 SurfaceHeights::~SurfaceHeights() = default;
 
 void SurfaceHeights::update() {
   if (addedInstances_ == scene_.instances.size()) return;
   for (; addedInstances_ < scene_.instances.size(); ++addedInstances_) {
-    if (!scene_.instances[addedInstances_].moves())
-      hierarchy_->add(scene_, static_cast<std::uint32_t>(addedInstances_));
+    const Instance& instance = scene_.instances[addedInstances_];
+    const auto isNeeded = [&](const auto& surface) { return !isNeeded_ || isNeeded_(surface.semantic); };
+    if (instance.moves() || std::ranges::none_of(scene_.meshes[instance.mesh].surfaces, isNeeded)) continue;
+    hierarchy_->add(scene_, static_cast<std::uint32_t>(addedInstances_));
   }
   isolated([&] { rtcCommitScene(hierarchy_->all); });
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -53,8 +54,9 @@ class SurfaceHeights {
     auto operator<=>(const Facet&) const = default;  // NOLINT(modernize-use-nullptr): nobody writes one
   };
 
-  // The scene must outlive this object. The object knows no instance before the first update().
-  explicit SurfaceHeights(const Scene& scene);
+  // The scene must outlive this object. The object knows no instance before the first update(). `isNeeded`: false for
+  // classes that the caller ignores: meshes with no other classes are left out, which saves time.
+  explicit SurfaceHeights(const Scene& scene, std::function<bool(std::uint16_t)> isNeeded = {});
   ~SurfaceHeights();
 
   // Adds the instances that were added to the scene since the last call, except moving instances.
@@ -95,7 +97,8 @@ class SurfaceHeights {
  private:
   struct Hierarchy;
   const Scene& scene_;
-  std::size_t addedInstances_ = 0;  // number of the scene's instances that update() has processed
+  std::function<bool(std::uint16_t)> isNeeded_;  // empty: all classes are needed
+  std::size_t addedInstances_ = 0;               // number of the scene's instances that update() has processed
   std::unique_ptr<Hierarchy> hierarchy_;
 };
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 #include <string_view>
 
 #include "base/short_text.h"
@@ -17,11 +17,6 @@ constexpr double kSmooth = 0.3;        // m of path before and after a sample ov
                                        // since springs and tyres smooth it
 constexpr double kBareUntilLost = 10;  // m of path without ground, after which ground of any height is accepted
 constexpr double kSpacing = 0.1;       // m, largest distance between samples
-constexpr double kNear = 1.5;          // m, largest height difference between a sample and the ground that continues it
-// The ground under the next kSampledAtOnce samples is looked up at once, since a method traces many rays faster. It is
-// looked up again as soon as its height has changed by more than kMostDrift (m).
-constexpr std::size_t kSampledAtOnce = 128;
-constexpr double kMostDrift = 1;
 constexpr std::size_t kMostSamples = 10'000'000;
 constexpr std::size_t kMostSmoothed = 20;  // largest number of samples averaged on each side, for parts of the path
                                            // where the vehicle hardly moves
@@ -31,47 +26,40 @@ constexpr const char* kWheelAdvice =
     "alone";
 constexpr std::array<std::string_view, 4> kWheels{"front left", "front right", "rear left", "rear right"};
 
-// Returns the points at which a vehicle touches the ground, at the pose's height: its wheels in the order of kWheels,
-// or the pose's position if the vehicle has no wheels.
-std::vector<Vec3d> contactPoints(const GroundOptions& options, const Pose& pose) {
-  const Vec3d& center = pose.translation;
-  if (!options.wheels) return {center};
-  const auto [wheelbase, track] = *options.wheels;
+// Returns the positions of the wheels in the order of kWheels, at the pose's height. `size`: wheelbase and track (m).
+std::array<Vec3d, 4> wheelsAt(const std::array<double, 2>& size, const Pose& pose) {
   const double yaw = headingOf(pose.rotation);
-  const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * (wheelbase / 2);
-  const Vec3d left = Vec3d{-std::sin(yaw), std::cos(yaw), 0} * (track / 2);
+  const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * (size[0] / 2);
+  const Vec3d left = Vec3d{-std::sin(yaw), std::cos(yaw), 0} * (size[1] / 2);
+  const Vec3d& center = pose.translation;
   return {center + ahead + left, center + ahead + -left, center + -ahead + left, center + -ahead + -left};
 }
 
 // Returns the height and slopes of the plane that best fits the ground under the four wheels; nothing if more than one
-// wheel has no ground. Without wheels, the plane is horizontal and touches the ground under the pose. `heights`:
-// heights of the ground (m) at the contactPoints(); nothing for points without ground.
-std::optional<GroundSample> planeThrough(const GroundOptions& options,
-                                         const std::vector<std::optional<double>>& heights) {
+// wheel has no ground. Without wheels, the plane is horizontal and touches the ground under the pose. `height` returns
+// the height of the ground at a position in the world frame.
+template <typename Height>
+std::optional<GroundSample> sampleAt(const GroundOptions& options, const Pose& pose, const Height& height) {
   if (!options.wheels) {
-    return heights.front() ? std::optional(GroundSample{.height = *heights.front()}) : std::nullopt;
+    const std::optional<double> z = height(pose.translation);
+    return z ? std::optional(GroundSample{.height = *z}) : std::nullopt;
   }
-  if (std::count(heights.begin(), heights.end(), std::nullopt) > 1) return std::nullopt;
-  std::array<double, 4> z{};  // m, heights of the ground, in the order of kWheels
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    // A wheel without ground is put into the plane of the other three wheels. In the order of kWheels, index ^ 1 is the
-    // other wheel of the axle, index ^ 2 the other wheel on the same side, and index ^ 3 the wheel diagonally opposite.
-    z[i] = heights[i] ? *heights[i] : *heights[i ^ 1] + *heights[i ^ 2] - *heights[i ^ 3];
+  const std::array<Vec3d, 4> wheels = wheelsAt(*options.wheels, pose);
+  std::array<double, 4> z{};           // m, heights of the ground, in the order of kWheels
+  std::optional<std::size_t> hanging;  // index of the wheel that has no ground
+  for (std::size_t i = 0; i < wheels.size(); ++i) {
+    const std::optional<double> ground = height(wheels[i]);
+    if (!ground && hanging) return std::nullopt;
+    if (!ground) hanging = i;
+    z[i] = ground.value_or(0);
   }
+  // A wheel without ground is put into the plane of the other three wheels. In the order of kWheels, index ^ 1 is the
+  // other wheel of the axle, index ^ 2 the other wheel on the same side, and index ^ 3 the wheel diagonally opposite.
+  if (hanging) z[*hanging] = z[*hanging ^ 1] + z[*hanging ^ 2] - z[*hanging ^ 3];
   const auto [wheelbase, track] = *options.wheels;
   return GroundSample{.height = (z[0] + z[1] + z[2] + z[3]) / 4,
                       .along = (z[0] + z[1] - z[2] - z[3]) / (2 * wheelbase),
                       .left = (z[0] + z[2] - z[1] - z[3]) / (2 * track)};
-}
-
-// Returns the height (m) in `surfaces` that is nearest to `height`; nothing if none is within kNear.
-std::optional<double> nearestHeight(const std::vector<double>& surfaces, double height) {
-  std::optional<double> nearest;
-  for (const double z : surfaces) {
-    const double distance = std::fabs(z - height);
-    if (distance <= kNear && (!nearest || distance < std::fabs(*nearest - height))) nearest = z;
-  }
-  return nearest;
 }
 
 // Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with the slopes `along` (ahead) and `left`.
@@ -153,74 +141,47 @@ std::optional<GroundOptions> readGround(const Value& value) {
 GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                              const Ground& ground)
     : positions_(std::move(positions)) {
-  std::vector<double> driven(positions_.size(), 0.0);  // m driven up to each position
-  for (std::size_t i = 1; i < positions_.size(); ++i) {
-    const Vec3d step = poseOnPath(positions_[i]).translation - poseOnPath(positions_[i - 1]).translation;
-    driven[i] = driven[i - 1] + std::hypot(step.x, step.y);
+  std::vector<std::optional<GroundSample>> samples(positions_.size());  // nothing: no ground
+  std::vector<double> driven(positions_.size(), 0.0);                   // m driven up to each position
+  std::optional<double> lastHeight;  // m, height of the latest sample that has ground
+  double lastDriven = 0;             // m driven up to this sample
+  std::vector<double> clearances;    // m, distances of the given path from the ground, by sample that has ground
+  Vec3d previousPoint = poseOnPath(0).translation;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    const Pose pose = poseOnPath(positions_[i]);
+    const Vec3d step = pose.translation - previousPoint;
+    driven[i] = (i > 0 ? driven[i - 1] : 0) + std::hypot(step.x, step.y);
+    previousPoint = pose.translation;
+    const bool acceptAnyHeight = !lastHeight || driven[i] - lastDriven > kBareUntilLost;
+    const auto height = [&](Vec3d point) {
+      point.z = lastHeight.value_or(point.z);
+      const std::optional<double> z = lastHeight ? ground.near(point) : std::nullopt;
+      return z || !acceptAnyHeight ? z : ground.under(point);
+    };
+    samples[i] = sampleAt(options, pose, height);
+    if (!samples[i]) continue;
+    lastHeight = samples[i]->height;
+    lastDriven = driven[i];
+    clearances.push_back(std::fabs(pose.translation.z - *lastHeight));
   }
-  const std::vector<std::optional<GroundSample>> samples = sample(options, poseOnPath, driven, ground);
-  const auto bareSamples = std::count(samples.begin(), samples.end(), std::nullopt);
-  bareFraction_ = static_cast<double>(bareSamples) / static_cast<double>(positions_.size());
-  if (bareFraction_ == 1 && !options.onlyIfAtGround) {
+  if (clearances.empty() && options.onlyIfAtGround) return;
+  if (clearances.empty()) {
     throw InputError(options.where,
                      "no part of the path, which begins at {}, has ground above or below it: `scanmill "
                      "info` of the scene prints its bounds (`start` moves recorded poses){}",
                      shortPosition(poseOnPath(0).translation), options.wheels ? kWheelAdvice : "");
   }
+  const auto groundSamples = static_cast<double>(clearances.size());
+  bareFraction_ = 1 - groundSamples / static_cast<double>(positions_.size());
+  meanClearance_ = std::accumulate(clearances.begin(), clearances.end(), 0.0) / groundSamples;
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
   // of the first sample with ground.
-  const auto firstWithGround = std::ranges::find_if(samples, [](const auto& sample) { return sample.has_value(); });
-  GroundSample filled = firstWithGround == samples.end() ? GroundSample{} : **firstWithGround;
+  GroundSample filled = **std::ranges::find_if(samples, [](const auto& sample) { return sample.has_value(); });
   for (const auto& sample : samples) {
     filled = sample.value_or(filled);
     samples_.push_back({filled.height + options.height, filled.along, filled.left});
   }
   for (int pass = 0; pass < 2; ++pass) samples_ = smoothed(samples_, driven);
-}
-
-std::vector<std::optional<GroundSample>> GroundProfile::sample(const GroundOptions& options,
-                                                               const PoseOnPath& poseOnPath,
-                                                               const std::vector<double>& driven,
-                                                               const Ground& ground) {
-  std::vector<std::optional<GroundSample>> samples(positions_.size());
-  std::optional<double> lastHeight;  // m, height of the latest sample that has ground
-  double lastDriven = 0;             // m driven up to this sample
-  double clearances = 0;             // m, sum over the samples that have ground
-  std::size_t count = 0;             // number of these samples
-  for (std::size_t next = 0; next < samples.size();) {
-    // Look up the ground of the next samples near the latest height; without one, of the next sample at any height.
-    const std::optional<double> lookupHeight = lastHeight;
-    const std::size_t end = std::min(next + (lookupHeight ? kSampledAtOnce : 1), samples.size());
-    std::vector<Vec3d> contacts;  // of the samples from `next` to `end` - 1
-    for (std::size_t i = next; i < end; ++i) {
-      for (Vec3d point : contactPoints(options, poseOnPath(positions_[i]))) {
-        point.z = lookupHeight.value_or(point.z);
-        contacts.push_back(point);
-      }
-    }
-    const auto surfaces =
-        lookupHeight ? ground.around(contacts, kNear + kMostDrift) : std::vector<std::vector<double>>(contacts.size());
-    const std::size_t perSample = contacts.size() / (end - next);
-    for (std::size_t contact = 0; next < end; ++next) {
-      if (lookupHeight && std::fabs(*lastHeight - *lookupHeight) > kMostDrift) break;
-      const bool acceptAnyHeight = !lastHeight || driven[next] - lastDriven > kBareUntilLost;
-      std::vector<std::optional<double>> heights;
-      for (std::size_t k = 0; k < perSample; ++k, ++contact) {
-        Vec3d point = contacts[contact];
-        point.z = lastHeight.value_or(point.z);
-        heights.push_back(nearestHeight(surfaces[contact], point.z));
-        if (!heights.back() && acceptAnyHeight) heights.back() = ground.under(point);
-      }
-      samples[next] = planeThrough(options, heights);
-      if (!samples[next]) continue;
-      lastHeight = samples[next]->height;
-      lastDriven = driven[next];
-      clearances += std::fabs(poseOnPath(positions_[next]).translation.z - *lastHeight);
-      ++count;
-    }
-  }
-  meanClearance_ = count == 0 ? std::numeric_limits<double>::infinity() : clearances / static_cast<double>(count);
-  return samples;
 }
 
 std::vector<double> GroundProfile::samplePositions(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
@@ -257,17 +218,15 @@ Pose GroundProfile::place(const Pose& pose, double position) const {
 }
 
 Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground) {
-  const std::vector<Vec3d> contacts = contactPoints(options, pose);
-  std::vector<std::optional<double>> heights;
-  heights.reserve(contacts.size());
-  for (const Vec3d& point : contacts) heights.push_back(ground.under(point));
-  const std::optional<GroundSample> sample = planeThrough(options, heights);
+  const std::optional<GroundSample> sample =
+      sampleAt(options, pose, [&](const Vec3d& point) { return ground.under(point); });
   const auto [x, y, z] = pose.translation;
   if (!sample) {
     std::string text = fmt::format("the pose at [{:g}, {:g}, {:g}] has no ground above or below it", x, y, z);
-    for (std::size_t i = 0; options.wheels && i < contacts.size(); ++i) {
-      if (heights[i]) continue;
-      text += fmt::format(", at its {} wheel [{:.6g}, {:.6g}]", kWheels[i], contacts[i].x, contacts[i].y);
+    const std::array<Vec3d, 4> wheels = options.wheels ? wheelsAt(*options.wheels, pose) : std::array<Vec3d, 4>{};
+    for (std::size_t i = 0; options.wheels && i < wheels.size(); ++i) {
+      if (ground.under(wheels[i])) continue;
+      text += fmt::format(", at its {} wheel [{:.6g}, {:.6g}]", kWheels[i], wheels[i].x, wheels[i].y);
     }
     throw InputError(options.where, text + (options.wheels ? kWheelAdvice : ""));
   }

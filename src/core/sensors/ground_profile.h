@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,9 +21,8 @@ class Ground {
   // Returns the height (m) of the highest surface that is below `point` or at most 0.5 m above it. If no surface is
   // that low, returns the height of the lowest surface above `point`; nothing if there is no surface at all.
   virtual std::optional<double> under(const Vec3d& point) const = 0;
-  // Returns, by point, the heights (m) of all surfaces at most `reach` (m) below or above the point, in any order.
-  // Faster than calls for single points. The points must be within about 30 m of each other.
-  virtual std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const = 0;
+  // Returns the height (m) of the surface nearest to `point`; nothing if none is within 1.5 m below or above it.
+  virtual std::optional<double> near(const Vec3d& point) const = 0;
 };
 
 // How a vehicle is placed on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
@@ -72,13 +72,8 @@ class GroundProfile {
   double meanClearance() const { return meanClearance_; }
 
  private:
-  // Returns the samples by position; nothing for positions without ground. Also sets meanClearance_. `driven`: m along
-  // the path, by position.
-  std::vector<std::optional<GroundSample>> sample(const GroundOptions& options, const PoseOnPath& poseOnPath,
-                                                  const std::vector<double>& driven, const Ground& ground);
-
   double bareFraction_ = 0;
-  double meanClearance_ = 0;
+  double meanClearance_ = std::numeric_limits<double>::infinity();
   std::vector<double> positions_;
   std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };

@@ -20,13 +20,9 @@ class Hills : public Ground {
     const double z = height_(p.x, p.y);
     return std::isfinite(z) ? std::optional(z) : std::nullopt;
   }
-  std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const override {
-    std::vector<std::vector<double>> heights(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const std::optional<double> z = under(points[i]);
-      if (z && std::fabs(*z - points[i].z) <= reach) heights[i].push_back(*z);
-    }
-    return heights;
+  std::optional<double> near(const Vec3d& p) const override {
+    const std::optional<double> z = under(p);
+    return z && std::fabs(*z - p.z) <= 1.5 ? z : std::nullopt;
   }
 
  private:
@@ -149,13 +145,9 @@ TEST(GroundProfile, IsThatBesideTheWayWhereTheLaneChanges) {
 class Bridge : public Ground {
  public:
   std::optional<double> under(const Vec3d& p) const override { return deck(p) && p.z > 5.5 ? 6.0 : 0.0; }
-  std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const override {
-    std::vector<std::vector<double>> heights(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (deck(points[i]) && std::fabs(points[i].z - 6) <= reach) heights[i].push_back(6);
-      if (std::fabs(points[i].z) <= reach) heights[i].push_back(0);
-    }
-    return heights;
+  std::optional<double> near(const Vec3d& p) const override {
+    if (deck(p) && std::fabs(p.z - 6) <= 1.5) return 6.0;
+    return std::fabs(p.z) <= 1.5 ? std::optional(0.0) : std::nullopt;
   }
 
  private:

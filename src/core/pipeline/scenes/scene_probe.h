@@ -1,7 +1,7 @@
 #pragma once
 
-// Traces single rays in a scene before it is scanned. Checks use these rays, and so do the functions here that find the
-// ground under vehicles and random paths on which vehicles can drive.
+// Traces single rays in a scene before it is scanned. Checks use these rays, and so does findRandomPath(), which finds
+// paths on which vehicles can drive.
 
 #include <cstdint>
 #include <memory>
@@ -12,7 +12,6 @@
 #include "base/vec.h"
 #include "methods/method.h"
 #include "scene/scene.h"
-#include "sensors/ground_profile.h"
 #include "sensors/trajectory.h"
 
 namespace scanmill {
@@ -37,14 +36,9 @@ class SceneProbe {
   const Scene& scene() const { return scene_; }
   const Box& bounds() const { return bounds_; }  // Scene::bounds(): m, world frame at time 0
   // Returns the first hit of each ray within `reach` (m); nothing for rays without a hit. Faster than calls for single
-  // rays. `anchor`: a point near the rays, which the method takes as the sensor's position; by default the start of the
-  // first ray.
-  std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach,
-                                        const std::optional<Vec3d>& anchor = {}) const;
+  // rays. The rays must start near each other.
+  std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach) const;
   std::optional<Hit> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
-  // Returns the hits along each ray within `reach` (m), ordered by distance; at most the hundred nearest. The rays must
-  // be parallel and start within about 30 m of each other.
-  std::vector<std::vector<Hit>> all(const std::vector<Ray>& rays, double reach) const;
 
  private:
   // Returns the distance (m) along a ray beyond which it does not hit the scene; may be negative.
@@ -54,24 +48,6 @@ class SceneProbe {
   Box bounds_;
   std::unique_ptr<Method> own_;  // null: the constructor's method is used
   const Method* method_;
-};
-
-// The surfaces of a scene that count as ground: those of the given classes, no steeper than 60 degrees. If no class is
-// given, surfaces of all classes count except those of object instances such as cars.
-class SceneGround : public Ground {
- public:
-  // `probe` must outlive this object.
-  SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes);
-
-  std::optional<double> under(const Vec3d& position) const override;
-  std::vector<std::vector<double>> around(const std::vector<Vec3d>& points, double reach) const override;
-
- private:
-  bool isGround(const SceneProbe::Hit& hit) const;
-
-  const SceneProbe& probe_;
-  std::vector<std::uint16_t> classes_;
-  Box bounds_;
 };
 
 // Returns the points (m, world frame) of a random path on surfaces of the classes in `request`, about 4 m apart. The

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "base/path.h"
 #include "pipeline/read/drawn_sensors.h"
+#include "pipeline/scenes/scene_ground.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "scene/surface_heights.h"
 #include "scenefile/scene_file.h"
@@ -34,19 +35,32 @@ std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
                                                   length, drive.length, missing));
 }
 
-// Returns the trajectory in the scene of `probe`: along its random path, if it has one, and moved onto the ground if it
-// has GroundOptions. `seed`: determines the random path. Throws InputError if the scene has no suitable path or ground.
-Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
-  Trajectory result = trajectory;
-  if (const RandomPath* request = trajectory.randomPath()) {
-    result = result.along(request->trip ? pathOfTrip(probe.scene(), *request)
-                                        : findRandomPath(probe, *request, seed, trajectory.name()));
+// Places trajectories in a scene, whose hierarchies it builds when a trajectory first needs them.
+class TrajectoryPlacer {
+ public:
+  explicit TrajectoryPlacer(const Scene& scene) : scene_(scene) {}
+
+  // Returns the trajectory along its random path, if it has one, and moved onto the ground if it has GroundOptions.
+  // `seed`: determines the random path. Throws InputError if the scene has no suitable path or ground.
+  Trajectory place(const Trajectory& trajectory, std::uint64_t seed) {
+    Trajectory result = trajectory;
+    if (const RandomPath* request = trajectory.randomPath()) {
+      if (!request->trip && !probe_) probe_.emplace(scene_);
+      result = result.along(request->trip ? pathOfTrip(scene_, *request)
+                                          : findRandomPath(*probe_, *request, seed, trajectory.name()));
+    }
+    if (const GroundOptions* ground = trajectory.ground()) {
+      const std::vector<std::uint16_t> classes = classIds(scene_.ontology, ground->classes, ground->where);
+      result = result.onGround(grounds_.try_emplace(classes, scene_, classes).first->second);
+    }
+    return result;
   }
-  if (const GroundOptions* ground = trajectory.ground()) {
-    result = result.onGround(SceneGround(probe, classIds(probe.scene().ontology, ground->classes, ground->where)));
-  }
-  return result;
-}
+
+ private:
+  const Scene& scene_;
+  std::optional<SceneProbe> probe_;
+  std::map<std::vector<std::uint16_t>, SceneGround> grounds_;  // by class ids
+};
 
 // Returns the settings of a frame. Mounts and effects in `draw`, if not empty, replace those in Pipeline::sensors.
 FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles, SensorDraw draw = {}) {
@@ -209,7 +223,7 @@ Scene ShotSource::load(std::size_t sequence) {
 }
 
 void ShotSource::findTrajectories(const Sequence& sequence, const Scene& scene) {
-  std::optional<SceneProbe> probe;
+  TrajectoryPlacer placer(scene);
   for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) {
     const Sequence& other = pipeline_.sequences[s];
     if (!other.sameScene(sequence) || !needsScene(*other.trajectory)) continue;
@@ -217,8 +231,7 @@ void ShotSource::findTrajectories(const Sequence& sequence, const Scene& scene) 
       const std::scoped_lock lock(mutex_);
       if (trajectories_.contains(s)) continue;
     }
-    if (!probe) probe.emplace(scene);
-    auto placed = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
+    auto placed = std::make_shared<const Trajectory>(placer.place(*other.trajectory, other.sceneSeed));
     const std::scoped_lock lock(mutex_);
     trajectories_.try_emplace(s, std::move(placed));
   }

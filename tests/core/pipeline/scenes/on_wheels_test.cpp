@@ -1,4 +1,4 @@
-#include "pipeline/scenes/scene_probe.h"
+#include "pipeline/scenes/scene_ground.h"
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 
@@ -18,8 +18,7 @@ class OnWheels : public Yard {
         planOf({"scenes=[{scene: scenes/town.yaml, seeds: [5]}]", "trajectories=[{name: a, " + trajectory + "}]"});
     ShotSource source(plan);
     const Scene scene = source.load(0);
-    const SceneProbe probe(scene);
-    const SceneGround ground(probe, {});
+    const SceneGround ground(scene, {});
     const auto path = source.trajectory(0);
     double sum = 0;
     for (std::uint32_t frame = 0; frame < path->frames(); ++frame) {
