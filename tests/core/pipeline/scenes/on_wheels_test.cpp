@@ -1,5 +1,6 @@
 #include "pipeline/scenes/scene_ground.h"
 #include "pipeline/scenes/shot_source.h"
+#include "sensors/trajectory.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
