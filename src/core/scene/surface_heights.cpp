@@ -101,6 +101,7 @@ struct SurfaceHeights::Hierarchy {
     };
     copy(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions);
     copy(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles);
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
     rtcSetGeometryIntersectFilterFunction(geometry, addCrossing);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
