@@ -60,16 +60,22 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, const std::function
   return result;
 }
 
+EgoLine egoLine(const Layout& l) {
+  Draw draw(l.seed, models::Kind::EgoLine);
+  // In eleven drives of KITTI the right edge of the road was 3.25 m from the sensor (median), although most roads are
+  // less than 8 m wide: people drive towards the middle of streets, and on the inner lane.
+  return {.lane = draw.chance(0.6) ? 1 : 0, .towardsMiddle = draw.in(1, 1.8)};
+}
+
 LanePoints egoLanePoints(const Layout& l, const LanePath& path) {
-  // m. In eleven drives of KITTI the right edge of the road was 3.25 m from the sensor (median), while the middle of
-  // the lanes of such roads is 2.3 m from their edge.
-  constexpr double kLeastOffset = 0.2, kMostOffset = 1.4;
-  constexpr double kHalfWidth = 0.9;  // m, of the ego vehicle
-  const double offset = Draw(l.seed, models::Kind::EgoOffset).in(kLeastOffset, kMostOffset);
+  constexpr double kLeastLateral = 0.8;  // m, of the path from the centre line, which the vehicle may just cross
+  const EgoLine line = egoLine(l);
   return lanePoints(l, path, [&](const Road& road) {
-    const double middle = road.laneMiddle();
-    if (road.oneWay() || road.section.lanes > 1) return middle;
-    return std::min(middle, std::max(middle - offset, kHalfWidth + kMiddle));
+    const double rightmost = road.laneMiddle();
+    if (road.oneWay()) return rightmost;
+    const CrossSection& s = road.section;
+    return s.lanes > 1 ? rightmost - line.lane * s.laneWidth()
+                       : std::min(rightmost, std::max(rightmost - line.towardsMiddle, kLeastLateral));
   });
 }
 

@@ -39,8 +39,14 @@ struct LanePoints {
 // in the direction of driving.
 LanePoints lanePoints(const Layout& l, const LanePath& path, const std::function<double(const Road&)>& lateral);
 
-// Returns the points of the ego vehicle's path in the rightmost lane. On two-way roads with one lane in each direction,
-// it drives nearer to the centre line than the middle of the lane, by an offset that depends on the seed.
+// Where the ego vehicle drives on two-way roads; follows from the town's seed.
+struct EgoLine {
+  int lane = 0;              // on roads with several lanes in a direction: number of the lane, 0 is the rightmost
+  double towardsMiddle = 0;  // m; on roads with one: distance from the middle of the lane towards the centre line
+};
+EgoLine egoLine(const Layout& l);
+
+// Returns the points of the ego vehicle's path; see EgoLine.
 LanePoints egoLanePoints(const Layout& l, const LanePath& path);
 
 // These functions return distances (m) along a side road: the start and the end of its lanes, and its stop line.

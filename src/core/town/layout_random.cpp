@@ -380,13 +380,13 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
 // Adds a paved forecourt, or a path to the road. `width`: width of the plot; `outer`: distance to the carriageway (m).
 void Layout::addGroundInFront(const House& house, double yaw, double width, double outer, Draw& draw) {
   constexpr double kUnder = 0.4;   // m, overlap of the forecourt with the house
-  constexpr double kParkable = 7;  // m, least depth of a forecourt on which cars park
+  constexpr double kParkable = 6;  // m, least depth of a forecourt on which cars park
   if (!character.terraced && draw.chance(character.forecourts)) {
     const Vec3d front = house.pose * Vec3d{house.width / 2, kUnder, 0};
     // A third of the forecourts are as wide as the plot.
     const double half = draw.chance(1.0 / 3) ? width / 2 : house.width / 2 + draw.in(0.3, 2);
     addStrip({front.x, front.y}, yaw, half, house.forecourt + kUnder + outer, GroundKind::Path);
-    patches.back().parks = house.forecourt > kParkable && draw.chance(0.8);
+    patches.back().parks = house.forecourt > kParkable && draw.chance(0.95);
   } else if (house.forecourt > kBeforeDoor) {
     const Vec3d door = house.pose * Vec3d{house.doorX(), -kBeforeDoor, 0};
     addStrip({door.x, door.y}, yaw, kWalkway / 2, house.forecourt - kBeforeDoor + outer, GroundKind::Path);

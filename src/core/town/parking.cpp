@@ -42,9 +42,9 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
   const double last = road.main ? l.mainTo : road.length() - 4;
   // Cars park at every side with a parking lane. Elsewhere a random choice says whether parking at this side is usual.
   Draw sidewalk(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u));
-  const bool usual = hasLane || sidewalk.chance(egoDrives ? 0.35 : 0.75);
+  const bool usual = sidewalk.chance(hasLane ? 0.7 : egoDrives ? 0.25 : 0.95);
   // Roads with less traffic have more parked cars.
-  const double parked = std::min(0.95, (!egoDrives ? 3 : hasLane ? 0.8 : 0.5) * l.character.parked);
+  const double parked = std::min(0.95, (!egoDrives ? 4 : hasLane ? 0.8 : 0.5) * l.character.parked);
   std::uint32_t bay = firstBay;
   for (double along = first; along + kBay < last; along += kBay) {
     Draw draw(l.seed, Kind::ParkedCar, bay++);
@@ -65,22 +65,28 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
   return bay;
 }
 
-// Places cars side by side on a wide forecourt, or one car on a driveway. The patch's y axis points to the house.
+// Places cars side by side on a wide forecourt, or one car on a driveway, and in deep ones a second row in front of the
+// house. The patch's y axis points to the house.
 void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   constexpr double kBeside = 2.7;          // m between the middles of neighbours
   constexpr double kFromSide = 1;          // m, least distance between a car's middle and the forecourt's end
   constexpr double kMiddleFromHouse = 3;   // m, least distance between a car's middle and the house
   constexpr double kBeyondDriveway = 0.2;  // m by which a car may be wider than the ground
+  constexpr double kRow = 6;               // m between the middles of two rows
+  constexpr double kLeastRow = 3;  // m, least distance between a car's middle and the forecourt's end at the road
   const TurnedRectangle& ground = patch.rectangle;
   const double parked = placer.layout.character.parked;
   const bool wide = ground.halfX > kBeside;
   const std::vector<double> places =
       wide ? models::steps(-ground.halfX + kBeside / 2, ground.halfX - kFromSide, kBeside) : std::vector{0.0};
-  for (const double u : places) {
-    if (!draw.chance(wide ? 0.65 + 0.3 * parked : 0.85 + 0.15 * parked)) continue;
+  const bool isDeep = 2 * ground.halfY > kMiddleFromHouse + kRow + kLeastRow + 1;
+  for (std::size_t i = 0; i < places.size() * (isDeep ? 2 : 1); ++i) {
+    const double u = places[i % places.size()];
+    const bool isSecondRow = i >= places.size();
+    if (!draw.chance(isSecondRow ? 0.6 : wide ? 0.85 + 0.1 * parked : 0.85 + 0.15 * parked)) continue;
     const Model& car = anyCar(placer, draw);
     if (car.width() > 2 * ground.halfX + kBeyondDriveway) continue;
-    const double v = ground.halfY - kMiddleFromHouse - draw.in(0, 1);
+    const double v = ground.halfY - kMiddleFromHouse - (isSecondRow ? kRow : 0) - draw.in(0, 1);
     const double turn = draw.chance(0.6) ? 0 : kPi;  // rad; most cars have their front at the house
     const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + turn + draw.in(-0.03, 0.03)};
     placer.tryNumbered("car", [&](const std::string& name) {

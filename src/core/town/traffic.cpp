@@ -149,12 +149,14 @@ class Traffic {
     }
   }
 
-  // Adds the routes of the passing lanes, in both directions, and their vehicles. Vehicles do not change lanes.
+  // Adds the routes of the passing lanes, in both directions, and their vehicles. Vehicles do not change lanes. There
+  // are none on the ego vehicle's lane.
   void addPassing() {
     if (main_.oneWay()) return;
     const double length = main_.length();
     for (int lane = 1; lane < main_.section.lanes; ++lane) {
       for (const bool along : {false, true}) {
+        if (along && lane == egoLine(l_).lane) continue;
         const LanePath lanePath{{{0, along ? 0 : length, along ? length : 0}}, kUpstream, kBeyond};
         const std::uint32_t laneNumber = kPassing + 2 * static_cast<std::uint32_t>(lane) + (along ? 1 : 0);
         const double out = -lane * main_.section.laneWidth();
