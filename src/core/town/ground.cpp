@@ -33,7 +33,8 @@ class GroundMaker {
     const char* const verge = season == Season::Winter ? "snow" : season == Season::Autumn ? "leaf_litter" : "grass";
     set(GroundKind::Verge, "terrain", verge);
     set(GroundKind::Shoulder, "terrain", dry && season != Season::Winter ? "soil" : verge);
-    set(GroundKind::Sidewalk, "sidewalk", "paving");
+    set(GroundKind::Sidewalk, "sidewalk",
+        Draw(layout.seed, models::Kind::Sidewalk).chance(0.7) ? "concrete" : "paving");
     set(GroundKind::Driveway, "driveway", "paving");
     set(GroundKind::Path, "driveway", "concrete");
     set(GroundKind::Lawn, "terrain", lawn);
