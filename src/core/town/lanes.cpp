@@ -72,7 +72,7 @@ LanePoints egoLanePoints(const Layout& l, const LanePath& path) {
   const EgoLine line = egoLine(l);
   return lanePoints(l, path, [&](const Road& road) {
     const double rightmost = road.laneMiddle();
-    if (road.oneWay()) return rightmost;
+    if (road.oneWay() || l.character.plain) return rightmost;
     const CrossSection& s = road.section;
     return s.lanes > 1 ? rightmost - line.lane * s.laneWidth()
                        : std::min(rightmost, std::max(rightmost - line.towardsMiddle, kLeastLateral));

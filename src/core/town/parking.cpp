@@ -89,6 +89,8 @@ void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
     const double v = ground.halfY - kMiddleFromHouse - (isSecondRow ? kRow : 0) - draw.in(0, 1);
     const double turn = draw.chance(0.6) ? 0 : kPi;  // rad; most cars have their front at the house
     const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + turn + draw.in(-0.03, 0.03)};
+    const bool isOnSidewalk = placer.layout.besideAt(spot.at).isOnRoadOrSidewalk(car.length() / 2);
+    if (isSecondRow && isOnSidewalk) continue;
     placer.tryNumbered("car", [&](const std::string& name) {
       const bool free = placer.occupancy.isFree(footprint(car, spot, Placer::kGap));
       if (free) placer.park(car, spot, name);

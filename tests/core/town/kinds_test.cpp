@@ -5,6 +5,7 @@
 
 #include "tests/support/test_scene.h"
 #include "tests/support/town.h"
+#include "town/lanes.h"
 
 namespace scanmill {
 namespace {
@@ -76,9 +77,10 @@ TEST(Town, MotorwaysHaveRailsAndSeveralLanes) {
       }
     }
     for (const auto& [row, count] : panels) EXPECT_GT(count, 100) << row;
-    // All lanes but that of the sensor's vehicle, which is the rightmost one in the direction of the line.
-    EXPECT_EQ(lanes.size(), static_cast<std::size_t>(2 * road.section.lanes - 1));
-    EXPECT_FALSE(lanes.contains(-road.section.lanes));
+    // All lanes but that of the sensor's vehicle, which drives in the direction of the line, and those to its right.
+    const int empty = 1 + town::egoLine(layout).lane;
+    EXPECT_EQ(lanes.size(), static_cast<std::size_t>(2 * road.section.lanes - empty));
+    for (int lane = 0; lane < empty; ++lane) EXPECT_FALSE(lanes.contains(lane - road.section.lanes));
   }
 }
 

