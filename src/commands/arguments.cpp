@@ -26,7 +26,7 @@ std::vector<std::string> Arguments::list(const std::string& option) const {
 }
 
 double Arguments::number(const std::string& option, double least, double most) const {
-  return readNumber({.kind = Value::Kind::Scalar, .text = options[option].as<std::string>()}, "--" + option,
+  return readNumber(scalarValue(options[option].as<std::string>()), "--" + option,
                     {least, most});
 }
 

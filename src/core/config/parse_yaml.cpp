@@ -125,7 +125,7 @@ class TreeBuilder : public YAML::EventHandler {
       openKey(mark, text);
       return;
     }
-    Value value{.kind = Value::Kind::Scalar, .where = locationOf(mark)};
+    Value value = scalarValue({}, locationOf(mark));
     value.quoted = checkTag(mark, tag);
     value.text = expandVariables(text, value.where);
     count(mark, {.bytes = value.text.size()});

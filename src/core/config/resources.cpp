@@ -164,7 +164,7 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
 }
 
 fs::path namedResource(const std::string& name, const std::string& subfolder) {
-  return resolveResource({.kind = Value::Kind::Scalar, .text = name}, name, subfolder);
+  return resolveResource(scalarValue(name), name, subfolder);
 }
 
 std::set<std::string> resourceNames(const std::string& subfolder) {

@@ -21,15 +21,15 @@ struct Value {
   struct Entry;
 
   Kind kind = Kind::Null;
-  Location where{};
-  std::string text{};            // Scalar: the text without quotes, with variables expanded
-  bool quoted = false;           // Scalar: true if quoted, a block or !!str; such text is never read as a number
-  std::vector<Value> items{};    // Sequence: its items
-  std::vector<Entry> entries{};  // Map: its entries in the file's order; keys are unique
-  int keyLine = 0;               // line of the key, for a map's entry; 0 if the entry comes from --set
+  Location where;
+  std::string text;            // Scalar: the text without quotes, with variables expanded
+  bool quoted = false;         // Scalar: true if quoted, a block or !!str; such text is never read as a number
+  std::vector<Value> items;    // Sequence: its items
+  std::vector<Entry> entries;  // Map: its entries in the file's order; keys are unique
+  int keyLine = 0;             // line of the key, for a map's entry; 0 if the entry comes from --set
   int keyColumn = 0;
-  std::string
-      folder{};  // folder in which relative paths start, if --set made the value; empty: the folder of where.file
+  // Folder in which relative paths start, if --set made the value; empty: the folder of where.file.
+  std::string folder;
 
   const Value* find(std::string_view key) const;     // Map: the value of a key; null if absent
   const Value& valueOf(std::string_view key) const;  // Map: the value of a key; a value of kind Null if absent
@@ -41,6 +41,30 @@ struct Value::Entry {
   std::string key;
   Value value;
 };
+
+// Returns a value of the kind Scalar, with the text `text`.
+inline Value scalarValue(std::string text, const Location& where = {}) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.where = where;
+  value.text = std::move(text);
+  return value;
+}
+// Return values of the kinds Sequence and Map.
+inline Value sequenceValue(std::vector<Value> items = {}, const Location& where = {}) {
+  Value value;
+  value.kind = Value::Kind::Sequence;
+  value.where = where;
+  value.items = std::move(items);
+  return value;
+}
+inline Value mapValue(std::vector<Value::Entry> entries = {}, const Location& where = {}) {
+  Value value;
+  value.kind = Value::Kind::Map;
+  value.where = where;
+  value.entries = std::move(entries);
+  return value;
+}
 
 // Parses one document; `file` is its name in messages. In scalars, `${NAME}` is replaced by the environment variable
 // (an error names a variable that is not set), `${NAME:-fallback}` has a fallback for a variable that is not set or

@@ -137,7 +137,7 @@ Scan decodeMember(const std::string& name, std::string_view bytes) {
     const auto suffixes = formats() | std::views::transform(&FormatEntry::suffix);
     throw InputError({name}, "no format reads '.{}' (known: .{})", suffix, fmt::join(suffixes, ", ."));
   }
-  const Value noOptions{.kind = Value::Kind::Map};
+  const Value noOptions = mapValue();
   Fields options(noOptions, "format");
   return entry->make(options)->decode(bytes, name);
 }

@@ -93,7 +93,7 @@ std::vector<Laser> readVelodyneLasers(const Value& file) {
 }
 
 Value scalar(const std::string& text, const Location& where) {
-  return {.kind = Value::Kind::Scalar, .where = where, .text = text};
+  return scalarValue(text, where);
 }
 
 // Adds an entry to a map, or replaces the entry with the same key.
@@ -104,7 +104,7 @@ void setEntry(Value::Entry entry, Value& map) {
 
 // Returns a YAML list of the values of `member` of all lasers, in the lasers' order.
 Value listOf(const std::vector<Laser>& lasers, double Laser::*member, const Location& where) {
-  Value list{.kind = Value::Kind::Sequence, .where = where};
+  Value list = sequenceValue({}, where);
   for (const Laser& laser : lasers) list.items.push_back(scalar(fmt::format("{}", laser.*member), where));
   return list;
 }

@@ -331,7 +331,7 @@ RingCount readRingCount(Fields& fields) {
 Value resolveSensor(const Value& value) {
   Fields fields(value, "sensor");
   fields.also({"name", "preset", "mount"}).also(kSensorKeys).finish();
-  Value merged{.kind = Value::Kind::Map, .where = value.where};
+  Value merged = mapValue({}, value.where);
   if (fields.has("preset")) {
     const Value file = readYaml(fields.resource("preset", "pipelines/sensors"));
     if (file.kind == Value::Kind::Null) throw InputError(file.where, "the sensor preset is empty");

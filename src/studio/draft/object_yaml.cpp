@@ -71,7 +71,7 @@ bool matchOnly(const Patterns& patterns, const std::vector<GuessedPart>& parts, 
 // of the names of the model and of the models in it, each followed by a slash, and the node's own name.
 Patterns modelPatterns(const GuessedPart& part, const std::vector<GuessedPart>& parts) {
   for (std::size_t slash = part.node.find('/'); slash != std::string::npos; slash = part.node.find('/', slash + 1)) {
-    const Patterns patterns{patternWithoutDigits(part.node.substr(0, slash)) + "/*", "", ""};
+    Patterns patterns{patternWithoutDigits(part.node.substr(0, slash)) + "/*", "", ""};
     if (matchOnly(patterns, parts, part.shows)) return patterns;
   }
   return {};
@@ -82,9 +82,9 @@ Patterns modelPatterns(const GuessedPart& part, const std::vector<GuessedPart>& 
 // other names, then combinations of names.
 Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& parts,
                      const std::vector<Concept>& concepts) {
-  if (const Patterns patterns = modelPatterns(part, parts); !patterns[0].empty()) return patterns;
+  if (Patterns patterns = modelPatterns(part, parts); !patterns[0].empty()) return patterns;
   std::vector<std::vector<std::size_t>> keysToTry{{0}, {1}, {2}};  // indices in kKeys
-  std::ranges::stable_partition(keysToTry, [&](const std::vector<std::size_t>& keys) {
+  std::stable_partition(keysToTry.begin(), keysToTry.end(), [&](const std::vector<std::size_t>& keys) {
     return conceptOf(concepts, nameOf(part, keys.front())) == part.shows;
   });
   keysToTry.insert(keysToTry.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
@@ -103,7 +103,7 @@ Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& pa
 
 // Returns the name of a class or material as a value of YAML, quoted only if YAML requires it.
 std::string nameValue(const std::string& name) {
-  return flowText({.kind = Value::Kind::Scalar, .text = name});
+  return flowText(scalarValue(name));
 }
 
 using PartNames = std::array<std::string, 3>;  // names of a part, in the order of kKeys

@@ -168,7 +168,7 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
     const std::string description = s.trajectory == nullptr ? "" : s.trajectory->about();
     if (!description.empty()) trajectoriesByPath[description].insert(s.trajectoryName);
     if (s.without.empty()) continue;
-    const Value removed{.kind = Value::Kind::Sequence, .items = s.without};
+    const Value removed = sequenceValue(s.without);
     removedObjects.insert(fmt::format("the pipeline removes {} from {}", flowText(removed), s.scene));
   }
   for (const std::string& text : removedObjects) items.push_back(leftOut("objects of scenes", text));

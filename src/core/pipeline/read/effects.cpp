@@ -218,7 +218,7 @@ Value withKeysOf(const NamedOptions& effect, const NamedOptions& change) {
       options.entries.push_back(entry);
     }
   }
-  return {.kind = Value::Kind::Map, .where = change.where, .entries = {{effect.name, std::move(options)}}};
+  return mapValue({{effect.name, std::move(options)}}, change.where);
 }
 
 EffectClasses::EffectClasses(const Pipeline& pipeline) : ontologyFile_(pipeline.ontology) {

@@ -84,7 +84,7 @@ enum class TownClasses { Own, Pipeline };
 // frame has more than kMostBeams or kMostRays. With TownClasses::Own the ego vehicle is left out, since its classes may
 // differ from the town's.
 Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownClasses classes) {
-  const Value townFile{.kind = Value::Kind::Scalar, .text = (resourceFolder() / "scenes" / "hamlet.yaml").string()};
+  const Value townFile = scalarValue((resourceFolder() / "scenes" / "hamlet.yaml").string());
   // If the method cannot trace moving objects, the pipeline's scenes have none, so the small town must have none
   // either.
   const MethodEntry* const method = pipeline.method.entry;

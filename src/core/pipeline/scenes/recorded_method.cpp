@@ -112,7 +112,8 @@ class RecordedPasses : public Method {
 
 std::unique_ptr<Method> makeRecordedMethod(const Pipeline& pipeline) {
   if (pipeline.recording->kind == RecordingKind::Hits) return std::make_unique<RecordedHits>(pipeline.recording);
-  Value options{.where = {pipeline.file.string()}};
+  Value options;
+  options.where = {pipeline.file.string()};
   if (pipeline.method.entry != nullptr && pipeline.method.entry->can.passes) options = pipeline.method.options;
   Fields fields(options, fmt::format("method {}", firstMethodThat(&MethodCapabilities::passes).name));
   return std::make_unique<RecordedPasses>(pipeline.recording, fields);

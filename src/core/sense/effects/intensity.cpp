@@ -30,9 +30,9 @@
 // in clear air; other effects read the received power in both cases. The value is then multiplied by `range_response`,
 // which is interpolated in log(range), and by the fraction of the received power that exceeds `floor`. The response to
 // v = gain * value is min(v, saturation)^gamma for floats, and 255 (min(v, saturation) / saturation)^gamma for bytes.
-// With retro_full_scale the response is 100 v up to v = 1, and 100 + 155 log(v) / log(retro_full_scale) above (Velodyne,
-// VLP-16 User Manual 63-9243 Rev. D, section 6.1). With `table` the response is interpolated in log(value). Then `noise`
-// is added and the sum rounded to multiples of `step`.
+// With retro_full_scale the response is 100 v up to v = 1, and 100 + 155 log(v) / log(retro_full_scale) above
+// (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1). With `table` the response is interpolated in log(value).
+// Then `noise` is added and the sum rounded to multiples of `step`.
 
 #include <algorithm>
 #include <cfloat>

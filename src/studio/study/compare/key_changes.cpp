@@ -138,7 +138,7 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
 }
 
 std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& pipelineItems) {
-  Value list{.kind = Value::Kind::Sequence, .items = pipelineItems};
+  Value list = sequenceValue(pipelineItems);
   for (const KeyChange& change : advice) {
     const std::string effect = change.key.substr(0, change.key.find('.'));
     const auto index = static_cast<std::size_t>(effectNamed(list.items, effect) - list.items.begin());

@@ -72,7 +72,8 @@ class PatchMeter {
     }
   }
   static std::size_t indexOf(int dr, int dc) {
-    return static_cast<std::size_t>((dr + kPatchRowReach) * kWide + dc + kPatchReach);
+    return static_cast<std::size_t>(dr + kPatchRowReach) * std::size_t{kWide} +
+           static_cast<std::size_t>(dc + kPatchReach);
   }
   // Returns the pixel `dr` rows below and `dc` columns right of the patch's middle; kNone beyond the grid's edges.
   std::uint32_t pixelAt(int dr, int dc) const { return window_[indexOf(dr, dc)]; }

@@ -341,7 +341,7 @@ std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector
       parallelForEach(rows, 1, [&](std::size_t row) {
         for (std::uint32_t column = 0; column < starts; column += kColumnStep) {
           const PatchWindow window{scan, static_cast<std::uint32_t>(row), column, tested};
-          if (auto patch = measurePatch(beams, image, scans[scan], window)) perRow[row].push_back(std::move(*patch));
+          if (auto patch = measurePatch(beams, image, scans[scan], window)) perRow[row].push_back(*patch);
         }
       });
       for (std::vector<FlatPatch>& row : perRow) {

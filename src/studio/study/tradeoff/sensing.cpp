@@ -36,7 +36,7 @@ std::string lightPathsYaml(std::uint32_t bounces) {
 
 // Returns the sensor's effects after applying `changes`. Omits effects that only add noise.
 Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
-  Value list{.kind = Value::Kind::Sequence};
+  Value list = sequenceValue();
   for (const Value& item : sensorEffectItems(pipeline.effectItems, sensor)) {
     const std::string name = readNamed(item, "an effect").name;
     if (requireEffect(name, item.where).stage >= kFirstNoiseStage) continue;
