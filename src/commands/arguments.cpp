@@ -26,8 +26,7 @@ std::vector<std::string> Arguments::list(const std::string& option) const {
 }
 
 double Arguments::number(const std::string& option, double least, double most) const {
-  return readNumber(scalarValue(options[option].as<std::string>()), "--" + option,
-                    {least, most});
+  return readNumber(scalarValue(options[option].as<std::string>()), "--" + option, {least, most});
 }
 
 std::string Arguments::positional(const std::string& what) const {

@@ -140,6 +140,7 @@ std::vector<BandComparison> intensityBands(const SetComparison& result, const st
       if (!std::isnan(intensity) && band < names.size()) intensities[band].push_back(intensity);
     }
     std::vector<double> ofBands;
+    ofBands.reserve(intensities.size());
     for (auto& band : intensities) {
       ofBands.push_back(band.size() < kFewestCompared ? kUnmeasured : medianOf(std::move(band)));
     }
