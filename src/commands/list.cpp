@@ -153,9 +153,9 @@ Rows sensorRows() {
                     fmt::format("{:.3g} x {:.3g}", field[0], field[1]),
                     fmt::format("{:g} to {:g}", beams->minRange, beams->maxRange),
                     beams->origin.empty() ? "" : "stated", hasEffects ? "its own" : "",
-                    !hasEffects                               ? ""
-                    : value.find("intensity_from") == nullptr ? "estimate"
-                                                              : "from scans"});
+                    !hasEffects                                       ? ""
+                    : value.valueOf("intensity_from").text != "scans" ? "estimate"
+                                                                      : "from scans"});
   }
   return rows;
 }

@@ -42,7 +42,8 @@ const FormatSupport kCloudColumns{
     "Columns of point clouds",
     ".las, .ply, .pcd, .csv, .xyz, .drc",
     "Classes: points without a class have the number 0, -1 or -100; -1 and -100 become 0, or 65535 if the file has "
-    "the number 0 too. Instances: 0 and numbers below 0 mean none; if there are any below 0, the others increase by 1. "
+    "the number 0 too. Instances: 0 means none or, if there are numbers below 0, these do, and all others increase by "
+    "1. "
     "A column of intensities that are all 0 is replaced by another. Rings, numbers and counts of returns, of recorded "
     "scans. Colours, also packed as PCL does (rgb, rgba), and normals",
     "points at 0, 0, 0, if there are several: misses; colours that are no numbers",

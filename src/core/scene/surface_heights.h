@@ -16,9 +16,8 @@
 
 namespace scanmill {
 
-constexpr double kAboveGround = 0.5;           // m; ground up to this far above a point still counts as ground under it
-constexpr double kSteepestGround = kPi / 3;    // rad, largest slope of ground
-constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
+constexpr double kAboveGround = 0.5;         // m; ground up to this far above a point still counts as ground under it
+constexpr double kSteepestGround = kPi / 3;  // rad, largest slope of ground
 
 // Shift of a second ray (m). A vertical ray exactly on the edge between two meshes may miss both, because of rounding.
 // If a ray finds no ground, a second ray is therefore traced, shifted by this distance along x and along y.

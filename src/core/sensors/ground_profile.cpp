@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string_view>
 
 #include "base/short_text.h"
@@ -145,7 +144,6 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
   std::vector<double> driven(positions_.size(), 0.0);                   // m driven up to each position
   std::optional<double> lastHeight;  // m, height of the latest sample that has ground
   double lastDriven = 0;             // m driven up to this sample
-  std::vector<double> clearances;    // m, distances of the given path from the ground, by sample that has ground
   Vec3d previousPoint = poseOnPath(0).translation;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const Pose pose = poseOnPath(positions_[i]);
@@ -162,18 +160,19 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
     if (!samples[i]) continue;
     lastHeight = samples[i]->height;
     lastDriven = driven[i];
-    clearances.push_back(std::fabs(pose.translation.z - *lastHeight));
   }
-  if (clearances.empty() && options.onlyIfAtGround) return;
-  if (clearances.empty()) {
+  if (!lastHeight && options.onlyIfAtGround) {
+    bareFraction_ = 1;
+    return;
+  }
+  if (!lastHeight) {
     throw InputError(options.where,
                      "no part of the path, which begins at {}, has ground above or below it: `scanmill "
                      "info` of the scene prints its bounds (`start` moves recorded poses){}",
                      shortPosition(poseOnPath(0).translation), options.wheels ? kWheelAdvice : "");
   }
-  const auto groundSamples = static_cast<double>(clearances.size());
-  bareFraction_ = 1 - groundSamples / static_cast<double>(positions_.size());
-  meanClearance_ = std::accumulate(clearances.begin(), clearances.end(), 0.0) / groundSamples;
+  const auto bareSamples = std::count(samples.begin(), samples.end(), std::nullopt);
+  bareFraction_ = static_cast<double>(bareSamples) / static_cast<double>(positions_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
   // of the first sample with ground.
   GroundSample filled = **std::ranges::find_if(samples, [](const auto& sample) { return sample.has_value(); });

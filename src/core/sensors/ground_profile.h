@@ -4,7 +4,6 @@
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,8 +26,8 @@ class Ground {
 
 // How a vehicle is placed on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
 struct GroundOptions {
-  // True for waypoints without the key `ground`: the vehicle stands on the ground only if its waypoints are at the
-  // height of the ground. Otherwise it flies, or its waypoints are those of a sensor, and it keeps their heights.
+  // True for waypoints and random drives without the key `ground`: the vehicle stands on the ground only if its path is
+  // at the height of the ground. Otherwise it flies, or the path is a sensor's or on things, and it keeps its heights.
   bool onlyIfAtGround = false;
   double height = 0;                                        // m, height of the vehicle's origin above the ground
   std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: the vehicle stays upright
@@ -54,7 +53,8 @@ class GroundProfile {
   // Samples the ground at ascending `positions` on the path. The first sample is the ground under the pose; each later
   // sample is the ground nearest in height to the previous sample, so that a bridge is not confused with what lies
   // beneath it. Over gaps the vehicle keeps its height; after 10 m without ground, ground at any height is accepted.
-  // If no part of the path has ground, throws InputError at `options.where`, unless `options.onlyIfAtGround`.
+  // If no part of the path has ground, throws InputError at `options.where`; if `options.onlyIfAtGround`, place() must
+  // then not be called.
   GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                 const Ground& ground);
 
@@ -68,12 +68,9 @@ class GroundProfile {
   [[nodiscard]] Pose place(const Pose& pose, double position) const;
   // Returns the fraction of the path's samples for which no ground was found, and which copy another sample.
   double bareFraction() const { return bareFraction_; }
-  // Returns the mean distance (m) of the given path from the ground, above or below it; infinite without ground.
-  double meanClearance() const { return meanClearance_; }
 
  private:
   double bareFraction_ = 0;
-  double meanClearance_ = std::numeric_limits<double>::infinity();
   std::vector<double> positions_;
   std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };

@@ -340,6 +340,10 @@ Value resolveSensor(const Value& value) {
     merged.entries = withCalibration(file).entries;
   }
   checkSameLasers(merged, value);
+  if (fields.has("elevation_deg")) {  // these are other lasers than the preset's, whose origins do not fit them
+    std::erase_if(merged.entries,
+                  [](const Value::Entry& e) { return e.key == "origin_left_m" || e.key == "origin_up_m"; });
+  }
   for (const auto& entry : withCalibration(value, &merged).entries) {
     if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
     const auto inPreset = std::ranges::find(merged.entries, entry.key, &Value::Entry::key);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/path.h"
 #include "config/fields.h"
@@ -77,6 +78,21 @@ std::uint32_t countFrames(double duration, double interval, double limit, double
   return static_cast<std::uint32_t>(count);
 }
 
+// Returns the mean distance (m) of a path from the ground under it, above or below it, at positions from 0 to `end`;
+// infinite if none of these has ground.
+double meanClearance(const GroundProfile::PoseOnPath& poseOnPath, double end, const Ground& ground) {
+  constexpr int kPositions = 64;
+  double sum = 0;
+  int count = 0;
+  for (int k = 0; k < kPositions; ++k) {
+    const Vec3d point = poseOnPath(end * k / (kPositions - 1)).translation;
+    const std::optional<double> height = ground.under(point);
+    sum += height ? std::fabs(point.z - *height) : 0;
+    count += height ? 1 : 0;
+  }
+  return count == 0 ? std::numeric_limits<double>::infinity() : sum / count;
+}
+
 }  // namespace
 
 double Trajectory::frameTime(std::uint32_t frame) const {
@@ -130,9 +146,9 @@ Trajectory Trajectory::along(const std::vector<Vec3d>& waypoints) const {
   return driven;
 }
 
-// Returns the waypoints, at equal heights if the vehicle is placed on the ground, so that lengths are horizontal.
+// Returns the waypoints, at equal heights if their heights do not count, so that lengths are horizontal.
 std::vector<Vec3d> Trajectory::levelled(std::vector<Vec3d> waypoints) const {
-  if (!groundOptions_) return waypoints;
+  if (!groundOptions_ || groundOptions_->onlyIfAtGround) return waypoints;
   for (Vec3d& p : waypoints) p.z = waypoints.front().z;
   return waypoints;
 }
@@ -160,6 +176,14 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
   const double end =
       std::min(positionAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
   const GroundProfile::PoseOnPath onPath = [this](double position) { return poseOnPath(position); };
+  if (groundOptions_->onlyIfAtGround) {
+    placed.shiftByDefault_ = meanClearance(onPath, end, ground);
+    if (placed.shiftByDefault_ > kAtGround) {
+      placed.groundOptions_.reset();
+      placed.shiftByDefault_ = 0;
+      return placed;
+    }
+  }
   std::vector<double> knots{0};
   if (recorded_) {
     for (const double time : recorded_->times()) {
@@ -174,10 +198,10 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
   if (end > 0) knots.push_back(end);
   const auto profile = std::make_shared<const GroundProfile>(
       *groundOptions_, onPath, GroundProfile::samplePositions(onPath, knots, groundOptions_->where), ground);
-  if (groundOptions_->onlyIfAtGround && profile->meanClearance() > kAtGround) {
-    placed.groundOptions_.reset();
-  } else {
+  if (profile->bareFraction() < 1) {
     placed.profileOfGround_ = profile;
+  } else {  // less than three wheels have ground, and the ground is not asked for
+    placed.groundOptions_.reset();
   }
   return placed;
 }
@@ -328,7 +352,7 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
     result.groundOptions_ = readGround(*ground);
   } else if (kind == "waypoints" || kind == "along" || kind == "on") {
     result.groundOptions_.emplace();
-    result.groundOptions_->onlyIfAtGround = kind == "waypoints";
+    result.groundOptions_->onlyIfAtGround = kind != "along";
     result.groundOptions_->where = fields.require(kind).where;
   }
   if (kind == "poses") {

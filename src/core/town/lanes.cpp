@@ -64,7 +64,7 @@ EgoLine egoLine(const Layout& l) {
   Draw draw(l.seed, models::Kind::EgoLine);
   // In eleven drives of KITTI the right edge of the road was 3.25 m from the sensor (median), although most roads are
   // less than 8 m wide: people drive towards the middle of streets, and on the inner lane.
-  return {.lane = draw.chance(0.6) ? 1 : 0, .towardsMiddle = draw.in(1, 1.8)};
+  return {.lane = draw.chance(0.6) && !l.character.plain ? 1 : 0, .towardsMiddle = draw.in(1, 1.8)};
 }
 
 LanePoints egoLanePoints(const Layout& l, const LanePath& path) {

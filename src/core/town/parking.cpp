@@ -40,7 +40,7 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
   const bool hasLane = s.parking > kParkingLane;
   const double first = road.main ? l.mainFrom : 14;
   const double last = road.main ? l.mainTo : road.length() - 4;
-  // Cars park at every side with a parking lane. Elsewhere a random choice says whether parking at this side is usual.
+  // A random choice says whether parking at this side is usual.
   Draw sidewalk(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u));
   const bool usual = sidewalk.chance(hasLane ? 0.7 : egoDrives ? 0.25 : 0.95);
   // Roads with less traffic have more parked cars.

@@ -6,7 +6,6 @@
 
 #include "base/append_new.h"
 #include "dataset/names.h"
-#include "evaluate/spread.h"
 #include "report/dataset/dataset_report.h"
 #include "viewer/color_map.h"
 
@@ -20,6 +19,13 @@ auto& entryNamed(auto& list, const std::string& name) {
   if (found != list.end()) return *found;
   list.emplace_back().name = name;
   return list.back();
+}
+
+// Returns the median; for an even number of values, the mean of the two middle values; 0 if there are none.
+double middleOf(std::vector<std::uint64_t> values) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return static_cast<double>(values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
 // Returns the name of a sample's sequence; the sample's key if the key names no sequence.
@@ -91,7 +97,7 @@ class SummaryMaker {
     for (std::size_t k = 0; k < places.size(); ++k) {
       if (counts[k]) addScan(places[k], *counts[k]);
     }
-    for (ClassSummary& c : sum_.classes) c.medianPoints = medianOf(std::move(viewPoints_[c.id]));
+    for (ClassSummary& c : sum_.classes) c.medianPoints = middleOf(std::move(viewPoints_[c.id]));
     for (const auto& [key, points] : objects_) {
       for (const auto& entry : points) ++classEntry(entry.first).objects;
     }
@@ -152,7 +158,7 @@ class SummaryMaker {
   // Lists scans with few points, compared to other scans of the same sensor. Call addRecord() for all scans before.
   void findScansOfFewPoints() {
     std::map<std::string, double> medians;
-    for (const SensorSummary& s : sum_.sensors) medians[s.name] = medianOf(pointsOfSensor_[s.name]);
+    for (const SensorSummary& s : sum_.sensors) medians[s.name] = middleOf(pointsOfSensor_[s.name]);
     for (const SampleRecord& sample : manifest_.samples) {
       for (const ScanRecord& scan : sample.scans) {
         const double median = medians[scan.sensor];

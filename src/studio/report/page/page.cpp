@@ -23,7 +23,7 @@ std::vector<std::string> cellParts(std::string_view line) {
   for (std::size_t begin = 0; begin != std::string::npos;) {
     const std::size_t end = line.find(" | ", begin);
     parts.emplace_back(trimmed(line.substr(begin, end - begin)));
-    begin = end == std::string::npos ? end : end + 3;
+    begin = end == std::string::npos ? end : end + 2;  // the blank may be that of the next separator
   }
   parts.resize(4);
   return parts;

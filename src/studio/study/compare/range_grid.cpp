@@ -203,7 +203,11 @@ class GridMaker {
     constexpr double kOutliers = 0.005;  // fraction of the points that is ignored at the top, and at the bottom
     std::vector<double> elevations;
     for (const std::uint32_t i : points_) elevations.push_back(elevationOf(scan_.position[i]));
-    const double low = quantileOf(elevations, kOutliers), high = quantileOf(elevations, 1 - kOutliers);
+    std::vector<double> sorted = elevations;
+    std::ranges::sort(sorted);
+    const auto cut = static_cast<std::size_t>(kOutliers * static_cast<double>(sorted.size()));
+    const double low = sorted[cut];
+    const double high = sorted[sorted.size() - 1 - cut];
     allocate(kRows, kColumns);
     grid_.wraps = true;
     for (std::size_t k = 0; k < points_.size(); ++k) {
