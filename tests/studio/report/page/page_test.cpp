@@ -41,6 +41,12 @@ TEST(Page, LinksToItsHeadingsAndUsesItsPieces) {
   EXPECT_THAT(page, Not(HasSubstr("template")));
 }
 
+TEST(Page, AHeadingWithoutAHintLeavesTheHintOfItsCells) {
+  const std::string page =
+      filled("{{#table}}\nrows\nname | {{name}} | | about {{name}}\n{{/table}}", {{"rows", {{{"name", "one"}}}}});
+  EXPECT_THAT(page, testing::AllOf(HasSubstr("title=\"about one\""), Not(HasSubstr("title=\"|"))));
+}
+
 TEST(Page, ATableHasGroupsRepeatedColumnsHintsAndFailures) {
   const Json rows{{{"name", "one"}, {"seconds", 0.0125}, {"strong", true}, {"of", {{{"hits", 1}}, Json::object()}}},
                   {{"name", "two"}, {"failure", "<no>"}}};
