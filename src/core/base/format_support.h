@@ -23,7 +23,7 @@ struct FormatKeywords {
   std::vector<Row> leftOut = {};              // counted in the file's warning
 };
 
-// What the reader of a format reads, and what it leaves out.
+// States what the reader of a format reads, and what it leaves out.
 struct FormatSupport {
   enum class Use { Unknown, Read, Unused, LeftOut };  // Unknown: not in `keywords`
 

@@ -150,7 +150,7 @@ struct UnreducedScene {
 
 // Lanes of a scene's town: points on the road's surface, some metres apart (m, world frame).
 struct SceneLanes {
-  std::vector<Vec3d> lane;   // the main road's right-hand lane
+  std::vector<Vec3d> lane;   // along the main road, where the ego vehicle drives
   std::vector<Vec3d> turns;  // like `lane`, but from a side road and into another one, if the town has them
   int turnCount = 0;         // number of turns along `turns`
 };

@@ -13,7 +13,8 @@
 
 namespace scanmill {
 
-// What a concept names: ground, a complete object, a part of objects, or geometry to drop, such as collision shapes.
+// States what a concept names: ground, a complete object, a part of objects, or geometry to drop, such as collision
+// shapes.
 enum class ConceptKind { Ground, Whole, Detail, Drop };
 
 struct Concept {

@@ -39,7 +39,7 @@ struct LanePoints {
 // in the direction of driving.
 LanePoints lanePoints(const Layout& l, const LanePath& path, const std::function<double(const Road&)>& lateral);
 
-// Where the ego vehicle drives on two-way roads; follows from the town's seed. In plain towns it keeps to the
+// States where the ego vehicle drives on two-way roads; follows from the town's seed. In plain towns it keeps to the
 // middle of the rightmost lane, and on one-way roads to the centre line.
 struct EgoLine {
   int lane = 0;              // on roads with several lanes in a direction: number of the lane, 0 is the rightmost

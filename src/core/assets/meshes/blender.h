@@ -45,7 +45,7 @@ class BlenderJob {
   Process process_;
 };
 
-// What is read from files that Blender opens or imports, and what is left out.
+// States what is read from files that Blender opens or imports, and what is left out.
 extern const FormatSupport kBlenderFormat;
 
 // Converts the visible contents of a file, as kBlenderFormat says, to a GLB in a folder, and returns the GLB's path.

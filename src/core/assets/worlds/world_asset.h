@@ -28,7 +28,7 @@ namespace scanmill {
 // contents that are left out.
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
 
-// What the reader of 3D Tiles reads and leaves out.
+// States what the reader of 3D Tiles reads and leaves out.
 extern const FormatSupport kTilesetFormat;
 
 // Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4), as kTilesetFormat says. If the tileset is on the earth, the asset's
@@ -89,14 +89,14 @@ struct WorldFile {
   std::vector<MissingFileError> missing;  // missing models, meshes and heightmaps
 };
 
-// What the reader of SDF reads and leaves out.
+// States what the reader of SDF reads and leaves out.
 extern const FormatSupport kSdfFormat;
 
 // Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec), as kSdfFormat says. Throws
 // InputError with the file and its line.
 WorldFile readSdf(const std::filesystem::path& file);
 
-// What the reader of URDF reads and leaves out.
+// States what the reader of URDF reads and leaves out.
 extern const FormatSupport kUrdfFormat;
 
 // Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML), as kUrdfFormat says.
