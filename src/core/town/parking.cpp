@@ -65,37 +65,41 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
   return bay;
 }
 
-// Places cars side by side on a wide forecourt, or one car on a driveway, and in deep ones a second row in front of the
-// house. The patch's y axis points to the house.
+// Places cars side by side on a wide forecourt, in as many rows as fit between the house and the road, or one car on a
+// driveway, two on a deep one. The patch's y axis points to the house.
 void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   constexpr double kBeside = 2.7;          // m between the middles of neighbours
   constexpr double kFromSide = 1;          // m, least distance between a car's middle and the forecourt's end
   constexpr double kMiddleFromHouse = 3;   // m, least distance between a car's middle and the house
   constexpr double kBeyondDriveway = 0.2;  // m by which a car may be wider than the ground
   constexpr double kRow = 6;               // m between the middles of two rows
-  constexpr double kLeastRow = 3;  // m, least distance between a car's middle and the forecourt's end at the road
+  constexpr double kAisle = 5;             // m of free ground after every second row of a wide forecourt
+  constexpr double kLeastRow = 3;   // m, least distance between a car's middle and the forecourt's end at the road
+  constexpr double kMirrors = 0.3;  // m, least distance between the bodies of cars on neighbouring forecourts
   const TurnedRectangle& ground = patch.rectangle;
   const double parked = placer.layout.character.parked;
   const bool wide = ground.halfX > kBeside;
   const std::vector<double> places =
       wide ? models::steps(-ground.halfX + kBeside / 2, ground.halfX - kFromSide, kBeside) : std::vector{0.0};
-  const bool isDeep = 2 * ground.halfY > kMiddleFromHouse + kRow + kLeastRow + 1;
-  for (std::size_t i = 0; i < places.size() * (isDeep ? 2 : 1); ++i) {
-    const double u = places[i % places.size()];
-    const bool isSecondRow = i >= places.size();
-    if (!draw.chance(isSecondRow ? 0.6 : wide ? 0.85 + 0.1 * parked : 0.85 + 0.15 * parked)) continue;
-    const Model& car = anyCar(placer, draw);
-    if (car.width() > 2 * ground.halfX + kBeyondDriveway) continue;
-    const double v = ground.halfY - kMiddleFromHouse - (isSecondRow ? kRow : 0) - draw.in(0, 1);
-    const double turn = draw.chance(0.6) ? 0 : kPi;  // rad; most cars have their front at the house
-    const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + turn + draw.in(-0.03, 0.03)};
-    const bool isOnSidewalk = placer.layout.besideAt(spot.at).isOnRoadOrSidewalk(car.length() / 2);
-    if (isSecondRow && isOnSidewalk) continue;
-    placer.tryNumbered("car", [&](const std::string& name) {
-      const bool free = placer.occupancy.isFree(footprint(car, spot, Placer::kGap));
-      if (free) placer.park(car, spot, name);
-      return free;
-    });
+  const double last = 2 * ground.halfY - kLeastRow - 1;  // m from the house, largest distance of a car's middle
+  double fromHouse = kMiddleFromHouse;
+  for (int row = 0; row == 0 || (fromHouse < last && (wide || row < 2)); ++row) {
+    for (const double u : places) {
+      if (!draw.chance(row > 0 ? 0.9 : wide ? 0.85 + 0.1 * parked : 0.85 + 0.15 * parked)) continue;
+      const Model& car = anyCar(placer, draw);
+      if (car.width() > 2 * ground.halfX + kBeyondDriveway) continue;
+      const double v = ground.halfY - fromHouse - draw.in(0, 1);
+      const double turn = draw.chance(0.6) ? 0 : kPi;  // rad; most cars have their front at the house
+      const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + turn + draw.in(-0.03, 0.03)};
+      const bool isOnSidewalk = placer.layout.besideAt(spot.at).isOnRoadOrSidewalk(car.length() / 2);
+      if (row > 0 && isOnSidewalk) continue;
+      placer.tryNumbered("car", [&](const std::string& name) {
+        const bool free = placer.occupancy.isFree(footprint(car, spot, kMirrors));
+        if (free) placer.park(car, spot, name);
+        return free;
+      });
+    }
+    fromHouse += kRow + (row % 2 == 1 ? kAisle : 0);
   }
 }
 
@@ -171,8 +175,8 @@ void placeLots(Placer& placer) {
   for (const MapArea& area : l.areas.list()) {
     if (area.land != Land::Lot) continue;
     Draw draw(l.seed, Kind::Lot, ++lotNumber);
-    const double fullness = draw.next();  // squared, so that few lots are full
-    const double occupied = std::min(0.95, l.parameters.vehicles * (0.2 + 0.7 * fullness * fullness));
+    const double fullness = draw.next();
+    const double occupied = std::min(0.95, l.parameters.vehicles * (0.3 + 0.65 * fullness));
     Footprint about = rectangleAbout(area.outline);
     if (about.halfX < about.halfY) {
       std::swap(about.halfX, about.halfY);

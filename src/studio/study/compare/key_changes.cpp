@@ -95,8 +95,7 @@ void addMountChanges(SetComparison& comparison, const Pipeline& pipeline, std::s
     return ground != nullptr && ground->wheels;
   });
   Value mount = pipeline.root.valueOf("sensors").items.at(sensor).valueOf("mount");
-  // Sensors of recorded hits cannot be moved.
-  if (pipeline.recording != nullptr || isDistribution(mount) || mount.find("rotation") != nullptr) return;
+  if (isDistribution(mount) || mount.find("rotation") != nullptr) return;
   comparison.advice = changeMount(comparison, key, isOnWheels, mount);
   if (comparison.advice.empty()) return;
   comparison.assignments = {fmt::format("{}={}", key, flowText(mount))};
