@@ -36,7 +36,7 @@ enum class Kind : std::uint32_t {
   Crossing, Signals, GardenThings, TownPond, Square, Animals, RoadLamps, RoadSigns, MouthSign, Shelters, RoadFurniture,
   MapTree, Avenue, ParkTrees, GardenTrees, GardenBushes, WoodLattice, GrassAlongRoads, SidewalkParking, ParkedCar,
   ForecourtCars, StandingVehicles, PassingTraffic, SideTraffic, RoadCyclists, PeopleCounts, Pedestrian, ParkedBicycles,
-  SidewalkCyclist, ParkedMotorcycles, EgoLine, Sidewalk,
+  SidewalkCyclist, ParkedMotorcycles, EgoLine, Sidewalk, Panel,
 };
 // clang-format on
 
@@ -234,7 +234,7 @@ constexpr int kBroadleafForms = 6;  // number of broadleaf forms; they come firs
 // is a round crown; 1 is a crown that is heavier on one side, with protruding limbs and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage);
-// Builds 2 m of hedgerow along x, filled with leaves. Height and depth follow from `seed` and `form`.
+// Builds 2 m of hedgerow along x, whose inside beams do not pass. Height and depth follow from `seed` and `form`.
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form);
 // Builds a group of shrubs 1.4 to 3.2 m high.
 Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage);

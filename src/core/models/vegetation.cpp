@@ -1,6 +1,6 @@
 // Builds trees, bushes and hedges. Leaves are small folded polygons, so that no alpha testing is needed. Leaves are
-// denser towards the outside of a crown. A polygon is about 15 cm long and represents several leaves: a crown of 6000
-// polygons has the leaf area of a real tree (leaf area index 3 to 5).
+// denser towards the outside of a crown. A polygon is about 15 cm long and represents several leaves. Its area is half
+// of its length times its width: crowns have a leaf area index of 2 to 3.
 
 #include <algorithm>
 #include <cmath>
@@ -27,12 +27,12 @@ constexpr double kBareBelow = 0.6;        // twigs are added if `foliage` is sma
 
 // Typical trees along streets, by eye. Heights and crown radii vary by up to 12 % with the seed.
 constexpr std::array<Habit, kTreeForms> kHabits{{
-    {"lime", false, 9.0, 1.8, 2.7, 0.10, 22, 0.42, 6000, 0.16},
-    {"maple", false, 7.0, 1.4, 2.3, 0.085, 18, 0.45, 5600, 0.16},
-    {"oak", false, 11.0, 2.0, 4.0, 0.16, 30, 0.38, 7000, 0.20},
-    {"poplar", false, 14.0, 1.0, 1.5, 0.12, 26, 0.60, 6000, 0.15},
-    {"birch", false, 9.5, 1.6, 1.9, 0.07, 24, 0.40, 5000, 0.13},
-    {"apple", false, 4.6, 1.1, 1.9, 0.07, 14, 0.45, 4200, 0.13},
+    {"lime", false, 9.0, 1.8, 2.7, 0.10, 31, 0.42, 5400, 0.20},
+    {"maple", false, 7.0, 1.4, 2.3, 0.085, 25, 0.45, 5000, 0.20},
+    {"oak", false, 11.0, 2.0, 4.0, 0.16, 42, 0.38, 6300, 0.25},
+    {"poplar", false, 14.0, 1.0, 1.5, 0.12, 36, 0.60, 5400, 0.19},
+    {"birch", false, 9.5, 1.6, 1.9, 0.07, 34, 0.40, 4500, 0.16},
+    {"apple", false, 4.6, 1.1, 1.9, 0.07, 20, 0.45, 3800, 0.16},
     {"spruce", true, 12.0, 0.9, 2.4, 0.13, 0, 0, 5600, 0.32},
     {"pine", true, 9.0, 1.6, 2.2, 0.12, 0, 0, 4800, 0.30},
 }};
@@ -52,17 +52,21 @@ Vec3d crossways(const Vec3d& normal, Draw& draw) {
   return normalized(cross(normal, draw.direction()));
 }
 
-// Appends leaves in the outer part of an ellipsoid. `flatness`: the ellipsoid's height divided by its width.
+// Appends leaves in the outer part of an ellipsoid and, so that few beams pass it, larger ones inside. `flatness`: the
+// ellipsoid's height divided by its width.
 void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,
                        int leaves, double leafLength) {
+  constexpr int kInnerEvery = 7;                      // one leaf of so many is inside
+  constexpr double kInside = 0.65, kInnerLength = 2;  // of the radius; times the length of the others
   for (int k = 0; k < leaves; ++k) {
+    const bool isInner = k % kInnerEvery == 0;
     const Vec3d out = draw.direction();
-    const double r = radius * (0.7 + 0.3 * std::pow(draw.next(), 0.4));
+    const double r = radius * (isInner ? kInside * std::cbrt(draw.next()) : 0.7 + 0.3 * std::pow(draw.next(), 0.4));
     const Vec3d position = center + Vec3d{out.x * r, out.y * r, out.z * r * flatness};
-    const Vec3d normal = normalized(out * 0.6 + Vec3d{0, 0, 0.5} + draw.direction() * 0.7);
+    const Vec3d normal = normalized(out * 0.6 + Vec3d{0, 0, 0.3} + draw.direction() * 0.7);
     Vec3d axis = crossways(normal, draw);
     if (axis.z > 0) axis = -axis;  // leaves point downwards
-    const double size = draw.around(leafLength, 0.3);
+    const double size = draw.around(leafLength, 0.3) * (isInner ? kInnerLength : 1);
     appendLeaf(s, surface, position - axis * (size / 2), position + axis * (size / 2), normal,
                size * draw.in(0.55, 0.75));
   }
@@ -182,7 +186,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
     const Vec3d middle = begin + (c.center - begin) * 0.55 + Vec3d{0, 0, -0.12 * length(c.center - begin)};
     const double branchRadius = habit.trunkRadius * lerp(0.42, 0.2, (fork - base) / crown);
     s.pipe(branch, {begin, middle, c.center}, {branchRadius, branchRadius * 0.65, branchRadius * 0.3}, 6);
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 3; ++k) {
       const Vec3d twig = normalized(draw.direction() + Vec3d{0, 0, 0.4});
       s.tube(branch, c.center, c.center + twig * (c.radius * 0.8), branchRadius * 0.25, 0.006, 4);
     }
@@ -248,6 +252,31 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
   }
 }
 
+// Returns where a point of a straight hedge is in a hedge that was cut long ago: its sides bulge by about 0.1 m and its
+// top is uneven. The waves repeat after 2 m along x, the length of a hedgerow, so that rows of them have no steps.
+Vec3d inHedge(const Vec3d& p) {
+  const double bulge = 1 + 0.12 * std::sin(2 * kPi * p.x + 3 * p.z) + 0.1 * std::sin(3 * kPi * p.x - 4 * p.z);
+  return {p.x, p.y * bulge, p.z * (1 + 0.05 * std::sin(2 * kPi * p.x))};
+}
+
+// Appends the inside of a hedgerow, which beams do not pass: a closed body 0.14 m below the outermost leaves.
+void appendHedgeCore(Shape& s, SurfaceIndex leaf, double height, double depth) {
+  constexpr double kBelowLeaves = 0.14;                 // m
+  constexpr int kAlong = 16, kAround = 28, kSide = 11;  // intervals along x, around the body, and of one side
+  std::vector<std::vector<Vec3d>> rows;
+  for (int i = -1; i <= kAlong + 1; ++i) {  // the first and the last row close the ends
+    const bool atEnd = i < 0 || i > kAlong;
+    std::vector<Vec3d>& row = rows.emplace_back();
+    for (int k = 0; k <= kAround; ++k) {
+      const double z = (height - kBelowLeaves) * std::min(1.0, double(std::min(k, kAround - k)) / kSide);
+      const double y =
+          (depth / 2 - kBelowLeaves) * std::clamp(double(kAround / 2 - k) / (kAround / 2 - kSide), -1.0, 1.0);
+      row.push_back(inHedge({2.0 * std::clamp(i, 0, kAlong) / kAlong - 1, atEnd ? 0 : y, z}));
+    }
+  }
+  s.grid(rows, Loop::Open, leaf);
+}
+
 }  // namespace
 
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged) {
@@ -293,27 +322,24 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
   const double height = draw.in(0.9, 2.4);
   const double depth = draw.in(0.6, 1.3);
-  constexpr double kLength = 2;                        // m, length of the hedgerow
-  constexpr double kLeafWidth = 0.7, kLeafArea = 0.6;  // a leaf's width / length, and its area / (length * width)
-  constexpr double kLeafCover = 4;                     // area of all leaves / area of the hedgerow's side
-  constexpr int kMostLeaves = 3500;
   for (int k = 0; k < 6; ++k) {
     const Vec3d root{draw.in(-0.95, 0.95), draw.in(-0.1, 0.1), -0.1};
     const Vec3d tip{root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)};
     s.tube(bark, root, tip, 0.02, 0.006, 5);
   }
-  // Adds leaves, which are denser near the surface of the hedgerow.
+  appendHedgeCore(s, leaf, height, depth);
+  constexpr double kLength = 2;                        // m, length of the hedgerow
+  constexpr double kLeafWidth = 0.7, kLeafArea = 0.5;  // a leaf's width / length, and its area / (length * width)
+  constexpr double kLeafCover = 1.7;                   // area of all leaves / area of the hedgerow's side
+  constexpr int kMostLeaves = 1750;
   const double leafLength = draw.in(0.09, 0.14);  // m, on average
   const double areaOfLeaf = kLeafArea * kLeafWidth * leafLength * leafLength;
   const int leaves = static_cast<int>(kLeafCover * kLength * height / areaOfLeaf);
   for (int k = 0; k < std::min(leaves, kMostLeaves); ++k) {
     const double across = draw.in(-1, 1);
-    const double outwards = std::copysign(std::pow(std::abs(across), 0.15), across);
+    const double outwards = std::copysign(std::pow(std::abs(across), 0.3), across);  // most leaves are at the sides
     const double z = height * (1 - std::pow(draw.next(), 1.2) * 0.98);
-    // The sides bulge by about 0.1 m, and the top is uneven, as if the hedge was cut long ago.
-    const double x = draw.in(-1.03, 1.03);
-    const double bulge = 1 + 0.12 * std::sin(5 * x + 3 * z) + 0.1 * std::sin(11 * x - 4 * z);
-    const Vec3d position{x, outwards * depth / 2 * bulge, z * (1 + 0.05 * std::sin(7 * x))};
+    const Vec3d position = inHedge({draw.in(-1.03, 1.03), outwards * depth / 2, z});
     const Vec3d out{0, across, z > 0.85 * height ? 1.0 : 0.2};
     const Vec3d normal = normalized(out + draw.direction() * 0.5);
     const Vec3d axis = crossways(normal, draw);
