@@ -56,7 +56,7 @@ Vec3d crossways(const Vec3d& normal, Draw& draw) {
 // ellipsoid's height divided by its width.
 void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,
                        int leaves, double leafLength) {
-  constexpr int kInnerEvery = 7;                      // one leaf of so many is inside
+  constexpr int kInnerEvery = 5;                      // one leaf of so many is inside
   constexpr double kInside = 0.65, kInnerLength = 2;  // of the radius; times the length of the others
   for (int k = 0; k < leaves; ++k) {
     const bool isInner = k % kInnerEvery == 0;
@@ -363,7 +363,7 @@ Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, doubl
     const Vec3d center{out * std::cos(angle), out * std::sin(angle), lerp(0.35, height - r, draw.next())};
     s.tube(bark, {0.3 * center.x, 0.3 * center.y, -0.1}, center, 0.025, 0.006, 5);
     if (foliage < kBareBelow) appendTwigs(s, bark, draw, center, r, 30, 0.005);
-    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1900 / balls), 0.13);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1900 / balls), 0.17);
   }
   return s.finish();
 }
