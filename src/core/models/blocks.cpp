@@ -55,7 +55,7 @@ class BlockMaker {
     const bool hangs = block.base > 0;
     const char* wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
     if (shed && draw_.chance(0.4)) wall = "wood";
-    look_ = facadeLook(s_, wall, draw_.chance(0.5) ? "wood" : "painted_metal");
+    look_ = facadeLook(s_, wall, draw_);
     look_.foundation = hangs ? block.base : kBelowSlopes;
     base_ = shed ? 0 : draw_.in(0.1, 0.4);
     if (hangs) base_ = block.base;
@@ -105,7 +105,7 @@ class BlockMaker {
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
     const Affine frame{{along, {0, 0, 1}, {along.y, -along.x, 0}}, {a.x, a.y, 0}};
-    addFacade(s_, look_, frame, width, openings(width, door));
+    addFacade(s_, look_, frame, width, openings(width, door), draw_);
     if (!hasParapet()) return;
     s_.boxAt(look_.metal, frame * at({width / 2, look_.top, 0}), {width + 0.05, 0.05, 0.3});
   }

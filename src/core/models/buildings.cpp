@@ -21,7 +21,7 @@ class HouseMaker {
     // The kind of plaster has its own random stream, so that it does not change the other random values.
     const bool tinted = Draw(seed, Kind::Facade, house.number).chance(0.7);
     const char* const wall = draw_.chance(0.45) ? "brick" : tinted ? "plaster_tinted" : "plaster";
-    look_ = facadeLook(s_, wall, draw_.chance(0.5) ? "wood" : "painted_metal");
+    look_ = facadeLook(s_, wall, draw_);
     m_.storey = draw_.around(kStorey, 0.06);
     m_.base = draw_.in(0.15, 0.5);
     look_.top = m_.base + m_.storey * h_.floors + aboveCeiling();
@@ -77,17 +77,17 @@ class HouseMaker {
 
   // Adds the front wall; then the rear wall and the walls at the right and the left, all three without shutters.
   void walls() {
-    addFacade(s_, look_, sideView({0, 0, 0}), h_.width, frontOpenings());
+    addFacade(s_, look_, sideView({0, 0, 0}), h_.width, frontOpenings(), draw_);
     FacadeLook look = look_;
     look.shutters = false;
     const int rearColumns = std::max(2, h_.columns - draw_.below(2));
     addFacade(s_, look, {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width,
-              windows(rearColumns, h_.width));
+              windows(rearColumns, h_.width), draw_);
     const int sideColumns = std::max(1, static_cast<int>(h_.depth / 4));
-    addFacade(s_, look, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth,
-              windows(sideColumns, h_.depth));
+    addFacade(s_, look, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth, windows(sideColumns, h_.depth),
+              draw_);
     addFacade(s_, look, {{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth,
-              windows(sideColumns, h_.depth));
+              windows(sideColumns, h_.depth), draw_);
   }
 
   Opening windowAt(double u, double floorZ) const {

@@ -10,7 +10,7 @@ namespace {
 
 class FacadeMaker {
  public:
-  FacadeMaker(Shape& shape, const FacadeLook& look) : s_(shape), look_(look) {}
+  FacadeMaker(Shape& shape, const FacadeLook& look, Draw& draw) : s_(shape), look_(look), draw_(draw) {}
 
   // Divides the wall into rectangles along the edges of all openings. Adds the rectangles that are in no opening, then
   // the openings. Coordinates (m): u along the wall, v upwards, w outwards.
@@ -74,6 +74,7 @@ class FacadeMaker {
       s_.box(look_.casing, {lerp(u0, u1, double(k) / panes), middleV, w + 0.015}, {0.05, innerHeight, 0.05});
     }
     const bool shopWindow = v1 - v0 > 2;
+    if (!draw_.chance(shopWindow ? 0.5 : 0.1)) curtain(o);
     if (!shopWindow) {
       s_.box(look_.casing, {middleU, v1 - (v1 - v0) * 0.3, w + 0.013}, {u1 - u0 - kFrame * 2, 0.04, 0.046});
       s_.box(look_.trim, {middleU, v0 - 0.02, -0.035}, {u1 - u0 + 0.12, 0.05, 0.19});
@@ -83,6 +84,19 @@ class FacadeMaker {
       for (const double u : {u0 - shutterWidth / 2 - 0.02, u1 + shutterWidth / 2 + 0.02}) {
         s_.box(look_.wood, {u, middleV, 0.01}, {shutterWidth, v1 - v0, 0.06});
       }
+    }
+  }
+
+  // Adds a curtain or a lowered blind behind a window.
+  void curtain(const Opening& o) {
+    constexpr int kFolds = 6;
+    constexpr double kBehindGlass = 0.08, kFoldDepth = 0.05;  // m
+    const double low = lerp(o.v.low, o.v.high, draw_.chance(0.2) ? draw_.in(0, 0.4) : -0.05);
+    const auto fold = [&](int k, double v) {
+      return Vec3d{lerp(o.u.low, o.u.high, k / double(kFolds)), v, -kReveal - kBehindGlass - kFoldDepth * (k % 2)};
+    };
+    for (int k = 0; k < kFolds; ++k) {
+      s_.quad(look_.cloth, fold(k, low), fold(k + 1, low), fold(k + 1, o.v.high), fold(k, o.v.high));
     }
   }
 
@@ -109,25 +123,29 @@ class FacadeMaker {
 
   Shape& s_;
   const FacadeLook& look_;
+  Draw& draw_;
 };
 
 }  // namespace
 
-FacadeLook facadeLook(Shape& shape, const char* wall, const char* casing) {
+FacadeLook facadeLook(Shape& shape, const char* wall, Draw& draw) {
+  const char* const casing = draw.chance(0.5) ? "wood" : "painted_metal";
+  const char* const pane = draw.chance(0.7) ? "glass_coated" : "glass";
   return {.wall = shape.surface("building", wall),
           .trim = shape.surface("building", "concrete"),
           .wood = shape.surface("building", "wood"),
           .metal = shape.surface("building", "painted_metal"),
           .tile = shape.surface("building", "roof_tile"),
-          .glass = shape.surface("window", "glass"),
-          .casing = shape.surface("window", casing)};
+          .glass = shape.surface("window", pane),
+          .casing = shape.surface("window", casing),
+          .cloth = shape.surface("window", "cloth")};
 }
 
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
-               const std::vector<Opening>& openings) {
+               const std::vector<Opening>& openings, Draw& draw) {
   const Affine outer = shape.frame;
   shape.frame = outer * wallFrame;
-  FacadeMaker(shape, look).make(width, openings);
+  FacadeMaker(shape, look, draw).make(width, openings);
   shape.frame = outer;
 }
 

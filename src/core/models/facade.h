@@ -17,19 +17,20 @@ struct Opening {
 };
 
 struct FacadeLook {
-  SurfaceIndex wall = 0, trim = 0, wood = 0, metal = 0, tile = 0, glass = 0, casing = 0;
+  SurfaceIndex wall = 0, trim = 0, wood = 0, metal = 0, tile = 0, glass = 0, casing = 0, cloth = 0;
   double foundation = -0.4;  // m, height where walls begin
   double top = 6;            // m, height where walls end
   bool shutters = false;
 };
 
-// Adds the surfaces of a facade to a shape. `wall`, `casing`: materials of the walls and of the windows' frames.
-FacadeLook facadeLook(Shape& shape, const char* wall, const char* casing);
+// Adds the surfaces of a facade to a shape. `wall`: material of the walls. `draw` selects the materials of the windows'
+// frames and panes: most houses have coated panes, through which little light comes back from inside.
+FacadeLook facadeLook(Shape& shape, const char* wall, Draw& draw);
 
-// Appends a wall with its windows and doors. `wallFrame` has x along the wall (to the right, seen from outside), y up
-// and z outwards; `width` is the length of the wall (m).
+// Appends a wall with its windows and doors, and curtains and blinds behind most windows. `wallFrame` has x along the
+// wall (to the right, seen from outside), y up and z outwards; `width` is the length of the wall (m).
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
-               const std::vector<Opening>& openings);
+               const std::vector<Opening>& openings, Draw& draw);
 
 // Dimensions of a house (m).
 struct HouseMeasures {
@@ -39,7 +40,7 @@ struct HouseMeasures {
   double windowWidth = 1.2, windowHeight = 1.4;
 };
 
-// Adds rooms, curtains and fittings to a house, and to some houses bands, corner stones, bays, porches, ivy, awnings or
+// Adds rooms and fittings to a house, and to some houses bands, corner stones, bays, porches, ivy, awnings or
 // a garage. `shape` is in the house's frame.
 void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look,
                      const HouseMeasures& measures);

@@ -104,8 +104,8 @@ constexpr double kHalfPanel = 1;  // m, half of the length of a fence panel
 void appendPicketsFence(Shape& s, Draw& draw) {
   const SurfaceIndex wood = s.surface("fence", "wood_weathered");
   const double h = draw.in(0.85, 1.1);
-  for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.025, z}, {2 * kHalfPanel, 0.035, 0.07});
-  s.box(wood, {-kHalfPanel + 0.04, 0.06, h / 2 - kSunk}, {0.08, 0.08, h + kSunk});
+  for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.035, z}, {2 * kHalfPanel, 0.05, 0.09});
+  s.box(wood, {-kHalfPanel + 0.06, 0.12, (h - kSunk) / 2}, {0.12, 0.12, h + kSunk + 0.1});
   constexpr int kPickets = 15;
   for (int k = 0; k < kPickets; ++k) {
     const double x = -kHalfPanel + 2 * kHalfPanel * (k + 0.5) / kPickets;
@@ -117,30 +117,38 @@ void appendPicketsFence(Shape& s, Draw& draw) {
 void appendBarsFence(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("fence", "painted_metal");
   const double h = draw.in(1.0, 1.4);
-  for (const double z : {0.12, h - 0.12}) s.box(metal, {0, 0, z}, {2 * kHalfPanel, 0.02, 0.04});
-  s.box(metal, {-kHalfPanel + 0.03, 0, h / 2 - kSunk / 2}, {0.06, 0.06, h + kSunk});
+  constexpr double kBase = 0.4;  // m, height of the wall below the bars
+  const SurfaceIndex brick = s.surface("fence", "brick");
+  s.box(brick, {0, 0, (kBase - kSunk) / 2}, {2 * kHalfPanel, 0.24, kBase + kSunk});
+  s.box(brick, {-kHalfPanel + 0.18, 0, (h - kSunk) / 2}, {0.36, 0.36, h + kSunk + 0.1});
+  for (const double z : {kBase + 0.1, h - 0.12}) s.box(metal, {0, 0, z}, {2 * kHalfPanel, 0.02, 0.04});
   constexpr int kBars = 17;
   for (int k = 1; k < kBars; ++k) {
     const double x = -kHalfPanel + 2 * kHalfPanel * k / kBars;
-    s.pipe(metal, {{x, 0, 0.08}, {x, 0, h - 0.05}, {x, 0, h + 0.05}}, {0.01, 0.01, 0.002}, 5);
+    s.pipe(metal, {{x, 0, kBase}, {x, 0, h - 0.05}, {x, 0, h + 0.05}}, {0.01, 0.01, 0.002}, 5);
   }
 }
 
 void appendWall(Shape& s, Draw& draw) {
   const double h = draw.in(0.7, 1.8);
-  s.box(s.surface("wall", "brick"), {0, 0, (h - 0.2) / 2}, {2 * kHalfPanel, 0.24, h + 0.2});
-  s.box(s.surface("wall", "concrete"), {0, 0, h + 0.03}, {2 * kHalfPanel, 0.32, 0.07});
+  const auto [brick, concrete] = s.surfaces("wall", "brick", "concrete");
+  s.box(brick, {0, 0, (h - 0.2) / 2}, {2 * kHalfPanel, 0.24, h + 0.2});
+  s.box(brick, {-kHalfPanel + 0.18, 0, (h - 0.1) / 2}, {0.36, 0.36, h + 0.3});  // pier
+  s.box(brick, {0, 0, 0.05}, {2 * kHalfPanel, 0.3, 0.5});                       // plinth
+  s.box(concrete, {0, 0, h + 0.03}, {2 * kHalfPanel, 0.32, 0.07});
 }
 
+// Appends a fence of boards on both sides of two rails by turns, with gaps between the boards of a side.
 void appendBoardsFence(Shape& s, Draw& draw) {
   const SurfaceIndex wood = s.surface("fence", "wood_weathered");
   const double h = draw.in(1.2, 1.9);
-  s.box(wood, {-kHalfPanel + 0.05, 0.04, h / 2 - kSunk}, {0.09, 0.09, h + kSunk});
+  for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0, z}, {2 * kHalfPanel, 0.06, 0.09});
+  s.box(wood, {-kHalfPanel + 0.06, 0, (h - kSunk) / 2}, {0.12, 0.12, h + kSunk + 0.1});
   constexpr int kBoards = 12;
   for (int k = 0; k < kBoards; ++k) {
     const double x = -kHalfPanel + 2 * kHalfPanel * (k + 0.5) / kBoards;
-    s.box(wood, {x, k % 2 == 0 ? 0 : -0.018, h / 2},
-          {2 * kHalfPanel / kBoards - 0.004, 0.016, h + draw.in(-0.01, 0.01)});
+    s.box(wood, {x, k % 2 == 0 ? 0.05 : -0.05, h / 2},
+          {2 * kHalfPanel / kBoards + 0.01, 0.02, h + draw.in(-0.03, 0.03)});
   }
 }
 
@@ -148,8 +156,10 @@ void appendBoardsFence(Shape& s, Draw& draw) {
 void appendWireFence(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("fence", "metal_weathered");
   const double h = draw.in(1.1, 2.0);
-  s.rod(metal, {-kHalfPanel + 0.03, 0, -kSunk}, {-kHalfPanel + 0.03, 0, h + 0.05}, 0.024, 8);
-  for (const double z : {0.08, h}) s.rod(metal, {-kHalfPanel, 0, z}, {kHalfPanel, 0, z}, 0.003, 4);
+  const SurfaceIndex concrete = s.surface("fence", "concrete");
+  s.box(concrete, {-kHalfPanel + 0.05, 0, (h - kSunk) / 2}, {0.1, 0.1, h + kSunk + 0.1});
+  s.box(concrete, {0, 0, 0.07}, {2 * kHalfPanel, 0.05, 0.3});  // gravel board
+  for (const double z : {0.25, h / 2, h}) s.rod(metal, {-kHalfPanel, 0, z}, {kHalfPanel, 0, z}, 0.003, 4);
   for (const double side : {-1.0, 1.0}) {  // wires that rise towards +x, and towards -x
     for (const double footX : steps(-kHalfPanel - h, kHalfPanel, 0.1)) {
       const double low = std::max(footX, -kHalfPanel);

@@ -1,4 +1,4 @@
-// Builds the interior and the details of a house: rooms, curtains, bands, bays, porches, awnings, ivy, garages.
+// Builds the interior and the details of a house: rooms, bands, bays, porches, awnings, ivy, garages.
 
 #include <algorithm>
 #include <array>
@@ -19,9 +19,6 @@ class Details {
 
   void add() {
     rooms();
-    for (int floor = 0; floor < h_.floors; ++floor) {
-      for (int column = 0; column < h_.columns; ++column) curtains(floor, column);
-    }
     if (draw_.chance(0.5)) courses();
     if (draw_.chance(0.5)) cornerStones();
     if (h_.shop) {
@@ -65,36 +62,6 @@ class Details {
       for (int column = 0; column < h_.columns; ++column) {
         const Vec3d size{draw_.in(0.5, 1.4), draw_.in(0.4, 0.8), draw_.in(0.5, 1.9)};
         s_.box(boards, {windowMiddle(column), draw_.in(1.2, std::max(1.3, y - 0.6)), z0 + size.z / 2}, size);
-      }
-    }
-  }
-
-  // Adds curtains or a lowered blind to a front window, or neither.
-  void curtains(int floor, int column) {
-    if (floor == 0 && (h_.shop || column == h_.doorColumn)) return;
-    if (!draw_.chance(0.6)) return;
-    const SurfaceIndex cloth = s_.surface("window", "cloth");
-    const double y = kWall + 0.06;
-    const double middle = windowMiddle(column);
-    const double half = m_.windowWidth / 2 + 0.1;
-    const double low = floorHeight(floor) + m_.sill - 0.1;
-    const double high = low + m_.windowHeight + 0.2;
-    if (draw_.chance(0.4)) {
-      const double blindEnd = lerp(high, low, draw_.in(0.2, 1));
-      s_.quad(cloth, {middle - half, y, blindEnd}, {middle + half, y, blindEnd}, {middle + half, y, high},
-              {middle - half, y, high});
-      return;
-    }
-    constexpr int kFolds = 6;            // folds of each curtain
-    constexpr double kFoldDepth = 0.05;  // m
-    const double width = half * draw_.in(0.3, 0.95);
-    for (const double side : {-1.0, 1.0}) {
-      for (int k = 0; k < kFolds; ++k) {
-        const double x0 = middle + side * (half - width * k / kFolds);
-        const double x1 = middle + side * (half - width * (k + 1) / kFolds);
-        const double y0 = y + (k % 2 == 0 ? 0 : kFoldDepth);
-        const double y1 = y + (k % 2 == 0 ? kFoldDepth : 0);
-        s_.quad(cloth, {x0, y0, low}, {x1, y1, low}, {x1, y1, high}, {x0, y0, high});
       }
     }
   }

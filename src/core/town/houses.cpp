@@ -80,7 +80,13 @@ class Boundaries {
         leftOut_ |= placer_.isOnGround(p);
         continue;
       }
-      Affine pose = models::at(placer_.layout.onGround(p, -kSunk), yaw);
+      // Panels have settled: they stand a little beside the line, turned and leaning.
+      constexpr double kAside = 0.04, kAngle = 0.026;  // m, rad
+      Draw draw(placer_.layout.seed, Kind::Panel, number_);
+      const Footprint line{p, 0, 0, yaw};
+      Affine pose = models::at(placer_.layout.onGround(line.at(0, draw.in(-kAside, kAside)), -kSunk),
+                               yaw + draw.in(-kAngle, kAngle));
+      pose.linear = pose.linear * Mat3::rotationX(draw.in(-kAngle, kAngle));
       pose.linear = pose.linear * Mat3::scale({width / kPanel, 1, heightFactor});
       placer_.builder.place(m.mesh, placer_.worldFromTown * pose, fmt::format("boundary {}", ++number_));
       placed.push_back(covered);
