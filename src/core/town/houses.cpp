@@ -83,10 +83,9 @@ class Boundaries {
       // Panels have settled: they stand a little beside the line, turned and leaning.
       constexpr double kAside = 0.04, kAngle = 0.026;  // m, rad
       Draw draw(placer_.layout.seed, Kind::Panel, number_);
-      const Footprint line{p, 0, 0, yaw};
-      Affine pose = models::at(placer_.layout.onGround(line.at(0, draw.in(-kAside, kAside)), -kSunk),
-                               yaw + draw.in(-kAngle, kAngle));
-      pose.linear = pose.linear * Mat3::rotationX(draw.in(-kAngle, kAngle));
+      const Point2 aside = Footprint{p, 0, 0, yaw}.at(0, draw.in(-kAside, kAside));
+      Affine pose{toMatrix(fromYawPitchRoll(yaw + draw.in(-kAngle, kAngle), 0, draw.in(-kAngle, kAngle))),
+                  placer_.layout.onGround(aside, -kSunk)};
       pose.linear = pose.linear * Mat3::scale({width / kPanel, 1, heightFactor});
       placer_.builder.place(m.mesh, placer_.worldFromTown * pose, fmt::format("boundary {}", ++number_));
       placed.push_back(covered);
