@@ -20,6 +20,7 @@ struct Habit {
   double clusterSize;                     // radius of a cluster as a fraction of the crown's radius
   int leaves;                             // number of leaf polygons
   double leafLength;                      // m, mean length of a leaf polygon
+  const char* bark = "bark";
 };
 
 constexpr double kGoldenAngle = 2.39996;  // rad; its multiples are spread evenly over the circle
@@ -31,11 +32,17 @@ constexpr std::array<Habit, kTreeForms> kHabits{{
     {"maple", false, 7.0, 1.4, 2.3, 0.085, 25, 0.45, 5000, 0.20},
     {"oak", false, 11.0, 2.0, 4.0, 0.16, 42, 0.38, 6300, 0.25},
     {"poplar", false, 14.0, 1.0, 1.5, 0.12, 36, 0.60, 5400, 0.19},
-    {"birch", false, 9.5, 1.6, 1.9, 0.07, 34, 0.40, 4500, 0.16},
+    {"birch", false, 9.5, 1.6, 1.9, 0.07, 34, 0.40, 4500, 0.16, "bark_light"},
     {"apple", false, 4.6, 1.1, 1.9, 0.07, 20, 0.45, 3800, 0.16},
     {"spruce", true, 12.0, 0.9, 2.4, 0.13, 0, 0, 5600, 0.32},
     {"pine", true, 9.0, 1.6, 2.2, 0.12, 0, 0, 4800, 0.30},
 }};
+
+// Returns the material of the leaves of a plant's form. The forms of a kind differ in how bright they are.
+const char* leavesOf(int form) {
+  constexpr std::array kLeaves{"leaf", "leaf_light", "leaf_dark"};
+  return kLeaves[static_cast<std::size_t>(form) % kLeaves.size()];
+}
 
 // Appends a pointed leaf of two triangles, folded along its midrib. `normal` is normal to the plane of the leaf.
 void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& tip, const Vec3d& normal,
@@ -148,7 +155,7 @@ TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, dou
     axis.points.push_back({leanX * t * t + draw.in(-0.03, 0.03), leanY * t * t + draw.in(-0.03, 0.03), z});
     radii.push_back(habit.trunkRadius * (i == 0 ? 1.35 : lerp(1.0, 0.18, t)));
   }
-  s.pipe(s.surface("trunk", "bark"), axis.points, radii, 12);
+  s.pipe(s.surface("trunk", habit.bark), axis.points, radii, 12);
   return axis;
 }
 
@@ -170,13 +177,14 @@ std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxi
   return clusters;
 }
 
-// Appends a broadleaf: the trunk, and for each cluster a branch, twigs and leaves. `radius`: crown radius (m).
-void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
-                     const Raggedness& ragged) {
+// Appends a broadleaf: the trunk, and for each cluster a branch, twigs and leaves. `leaves`: material; `radius`: crown
+// radius (m).
+void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, const char* leaves, double height, double radius,
+                     double foliage, const Raggedness& ragged) {
   const double base = habit.crownBase * height / habit.height;
   const double crown = height - base;
   const TrunkAxis trunk = appendTrunk(s, draw, habit, base, crown);
-  const auto [branch, leaf] = s.surfaces("tree", "bark", "leaf");
+  const auto [branch, leaf] = s.surfaces("tree", habit.bark, leaves);
   const std::vector<Cluster> clusters = drawClusters(draw, habit, trunk, base, crown, radius, ragged);
   double squares = 0;  // sum of squared radii; each cluster has leaves in proportion to its squared radius
   for (const Cluster& c : clusters) squares += c.radius * c.radius;
@@ -292,7 +300,7 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
   s.mesh.triangles.reserve(3 * leaves);
   s.mesh.surfaceOf.reserve(3 * leaves);
   habit.conifer ? appendConifer(s, draw, habit, height, radius)
-                : appendBroadleaf(s, draw, habit, height, radius, foliage, {seed, form, ragged});
+                : appendBroadleaf(s, draw, habit, leavesOf(form), height, radius, foliage, {seed, form, ragged});
   const Model model = s.finish();
   const auto& [low, high] = model.bounds;
   return {model, std::max({-low.x, -low.y, high.x, high.y})};
@@ -301,7 +309,7 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
   Draw draw(seed, Kind::Bush, form);
   Shape s(builder, "bush");
-  const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
+  const auto [leaf, bark] = s.surfaces("vegetation", leavesOf(form), "bark");
   const double size = draw.in(0.5, 0.95);  // m, about the bush's radius
   const int balls = 4 + draw.below(4);     // balls of leaves; the first ball is in the middle and on top
   for (int i = 0; i < balls; ++i) {
@@ -319,7 +327,7 @@ Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double folia
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Hedgerow, form);
   Shape s(builder, "hedge");
-  const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
+  const auto [leaf, bark] = s.surfaces("vegetation", leavesOf(form), "bark");
   const double height = draw.in(0.9, 2.4);
   const double depth = draw.in(0.6, 1.3);
   for (int k = 0; k < 6; ++k) {
@@ -352,7 +360,7 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
   Draw draw(seed, Kind::Undergrowth, form);
   Shape s(builder, "undergrowth");
-  const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
+  const auto [leaf, bark] = s.surfaces("vegetation", leavesOf(form), "bark");
   const double height = draw.in(1.4, 3.2);
   const double radius = draw.in(1.1, 1.8);
   const int balls = 6 + draw.below(5);

@@ -177,10 +177,9 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
       std::min(positionAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
   const GroundProfile::PoseOnPath onPath = [this](double position) { return poseOnPath(position); };
   if (groundOptions_->onlyIfAtGround) {
-    placed.shiftByDefault_ = meanClearance(onPath, end, ground);
-    if (placed.shiftByDefault_ > kAtGround) {
+    placed.clearanceByDefault_ = meanClearance(onPath, end, ground);
+    if (placed.clearanceByDefault_ > kAtGround) {
       placed.groundOptions_.reset();
-      placed.shiftByDefault_ = 0;
       return placed;
     }
   }

@@ -133,9 +133,9 @@ class Trajectory {
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bareFraction() : 0; }
-  // Returns the mean distance (m) by which a path without the key `ground` is moved up or down to the ground; 0 before
-  // onGround().
-  double shiftByDefault() const { return shiftByDefault_; }
+  // Returns the mean distance (m) of a path without the key `ground` from the ground, to which onGround() moves it if
+  // ground() is not null afterwards; 0 before onGround().
+  double clearanceByDefault() const { return clearanceByDefault_; }
 
  private:
   friend Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes,
@@ -181,7 +181,7 @@ class Trajectory {
   Sway sway_;
   std::optional<GroundOptions> groundOptions_;
   std::shared_ptr<const GroundProfile> profileOfGround_;
-  double shiftByDefault_ = 0;  // m, see shiftByDefault()
+  double clearanceByDefault_ = 0;  // m, see clearanceByDefault()
 };
 
 // Returns the number of trajectories that an item of the pipeline's list defines: the value of the key `drives` or, if

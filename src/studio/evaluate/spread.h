@@ -52,14 +52,18 @@ double circularMean(const auto& values, const auto& angleOf) {
   return std::atan2(sine, cosine);
 }
 
-// Returns the quantile `share` (0 to 1) of the values that are not NaN; NaN if there are none.
+// Returns the quantile `share` (0 to 1) of the values that are not NaN, between neighbours by linear interpolation; NaN
+// if there are none.
 template <class T>
 double quantileOf(std::vector<T> values, double share) {
   std::erase_if(values, [](T value) { return std::isnan(value); });
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const double index = share * static_cast<double>(values.size() - 1);
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(index);
   std::nth_element(values.begin(), nth, values.end());
-  return static_cast<double>(*nth);
+  const auto low = static_cast<double>(*nth);
+  if (nth + 1 == values.end()) return low;
+  return low + (static_cast<double>(*std::min_element(nth + 1, values.end())) - low) * (index - std::floor(index));
 }
 
 // Returns the mean; NaN if there are no values.

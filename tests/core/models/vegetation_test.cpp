@@ -29,7 +29,7 @@ Grown grow(std::uint64_t seed, int form, double detail, double ragged) {
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const auto [a, b, c] = cornersIn(mesh, mesh.triangles[k]);
     const std::string& material = scene.materials[mesh.surfaces[mesh.surfaceOf[k]].material].name;
-    if (material != "leaf") continue;
+    if (!material.starts_with("leaf")) continue;
     const double area = length(cross(b - a, c - a)) / 2;
     grown.leafArea += area;
     sum = sum + (a + b + c) * (area / 3);

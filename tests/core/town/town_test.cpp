@@ -196,7 +196,7 @@ TEST(Town, HasSeasons) {
       if (i.name.starts_with("house") || i.name.starts_with("car")) ++y.things;
       if (!i.name.starts_with("tree")) continue;
       for (const std::uint16_t s : mesh.surfaceOf) {
-        y.leaves += scene.materials[mesh.surfaces[s].material].name == "leaf" ? 1 : 0;
+        y.leaves += scene.materials[mesh.surfaces[s].material].name.starts_with("leaf") ? 1 : 0;
       }
     }
     const Mesh& ground = groundOf(scene);

@@ -22,6 +22,7 @@ namespace {
 constexpr double kMostHeight = 50;       // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnSurface = 0.05;      // m; a sensor at most this far from a surface causes a warning
 constexpr double kMostShift = 0.1;       // m; waypoints that are farther from the ground on average cause a warning
+constexpr double kLeastFlight = 3;       // m; a path that is nearer to the ground, but not at it, causes a warning
 constexpr double kMostBareShare = 0.02;  // a path causes a warning if a larger fraction of it has no ground
 // Height (m) of the vehicle's underside above the ground, unless half of the vehicle's height is less. The vehicle can
 // drive over lower obstacles.
@@ -91,11 +92,17 @@ class PathCheck {
       report(fmt::format("{:.0f} % of its path has no ground below or above: it keeps its height there",
                          100 * trajectory_->bareShare()));
     }
-    if (trajectory_->shiftByDefault() > kMostShift) {
+    const double clearance = trajectory_->clearanceByDefault();
+    if (trajectory_->ground() == nullptr && clearance > 0 && clearance < kLeastFlight) {
+      report(
+          fmt::format("its path is {:.2f} m from the ground on average, so that it flies: `ground: drop` puts the "
+                      "vehicle on its wheels, `ground: none` keeps it there without this line",
+                      clearance));
+    } else if (trajectory_->ground() != nullptr && clearance > kMostShift) {
       report(
           fmt::format("the vehicle stands on the ground, {:.2f} m from its waypoints on average: `ground: none` keeps "
                       "their heights",
-                      trajectory_->shiftByDefault()));
+                      clearance));
     }
     return std::move(warnings_);
   }

@@ -90,12 +90,19 @@ auto effectNamed(const std::vector<Value>& effects, std::string_view name) {
 
 void addMountChanges(SetComparison& comparison, const Pipeline& pipeline, std::size_t sensor) {
   const std::string key = fmt::format("sensors.{}.mount", sensor);
-  const bool isOnWheels = std::ranges::all_of(pipeline.sequences, [](const Sequence& sequence) {
-    const GroundOptions* const ground = sequence.trajectory->ground();
-    return ground != nullptr && ground->wheels;
-  });
+  constexpr double kMostSuspension = 0.3;  // m between a sensor's height above its vehicle and above the ground
   Value mount = pipeline.root.valueOf("sensors").items.at(sensor).valueOf("mount");
+  if (holdsDistribution(mount))
+    comparison.warnings.push_back(key + " is random: no value is proposed for what is drawn");
   if (isDistribution(mount) || mount.find("rotation") != nullptr) return;
+  // Waypoints may fly, which only the scene tells: then the scans' heights do.
+  const std::optional<double> height = mountNumber(mount, "position.2");
+  const bool isAtGround =
+      height && std::fabs(comparison.simulated.roadPose[kHeight].median - *height) < kMostSuspension;
+  const bool isOnWheels = std::ranges::all_of(pipeline.sequences, [&](const Sequence& sequence) {
+    const GroundOptions* const ground = sequence.trajectory->ground();
+    return ground != nullptr && ground->wheels && (isAtGround || !ground->onlyIfAtGround);
+  });
   comparison.advice = changeMount(comparison, key, isOnWheels, mount);
   if (comparison.advice.empty()) return;
   comparison.assignments = {fmt::format("{}={}", key, flowText(mount))};

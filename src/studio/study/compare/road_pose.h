@@ -33,7 +33,7 @@ inline constexpr auto kRoadFigures = std::to_array<ComparedFigure>({
      "lower", 0.01},
     {"lane_slope", "slope across the own lane", "deg", 1,
      "by how much the ground less than 1.3 m beside the sensor rises to the left",
-     "the sensor's mount (roll_deg); the trajectory's ground", false, "more to the left", "less to the left", 0.05},
+     "the sensor's mount (roll_deg); the trajectory's ground", false, "steeper up to the left", "steeper down to the left", 0.05},
     {"left_edge", "left edge of the road", "m", 1,
      "distance of the nearest strip of 0.25 m in which most of the ground is of other classes",
      "where the vehicle drives, how wide roads are", false, "farther", "nearer", 0.25},
