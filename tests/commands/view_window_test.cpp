@@ -40,7 +40,7 @@ class ViewWindow : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
     const Outcome made = scanmill({"generate", SCANMILL_SOURCE_DIR "/pipelines/street.yaml", "-o", street(), "-q",
-                                   "--set", "scenes.0.seeds=[4]", "--set", "splits=null", "--set",
+                                   "--set", "scenes.0.seeds=[3]", "--set", "splits=null", "--set",
                                    "trajectories.0.frames=2", "--set", "output.formats=[pcd]"});
     ASSERT_EQ(made.code, 0) << made.error;
   }
