@@ -39,7 +39,7 @@ TEST(Materials, SurfacesHaveSizesAndHeights) {
   const MaterialLibrary library = readMaterials(kMaterials);
   const Material& grass = library.require("grass", {});
   ASSERT_EQ(grass.relief.size(), 2u);
-  EXPECT_EQ(grass.relief[0], (Relief{0.1f, 0.016f}));
+  EXPECT_EQ(grass.relief[0], (Relief{0.1f, 0.02f}));
   ASSERT_EQ(grass.variations.size(), 2u);
   EXPECT_EQ(grass.variations[1], (Variation{0.15f, 0.25f}));
 }

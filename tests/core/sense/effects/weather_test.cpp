@@ -301,14 +301,15 @@ TEST(WeatherEffect, PresetsDoNotReportHaze) {
   EXPECT_GT(count, 15);
 }
 
-// Sensors that find a target of 10 % at 35 to 50 m report fog that drivers call dense. Hahner et al. take the returns
+// Sensors that find a target of 10 % at 35 to 75 m report fog that drivers call dense, and haze only if they are the most
+// sensitive of them. Hahner et al. take the returns
 // between 1.75 and 10 m, above the ground, as the fog in scans of an HDL-64E in dense fog (extract_fog.py of their
 // program LiDAR_fog_sim, for the dataset Seeing Through Fog).
 TEST(WeatherEffect, PresetsReportDenseFogWithinTenMetres) {
   for (const char* name : {"hdl_64e", "vlp_16", "os1_64"}) {
     const Value file = readYaml(std::string(SCANMILL_SOURCE_DIR "/pipelines/sensors/") + name + ".yaml");
     EXPECT_LT(fogOfPreset(file, 500).share, 0.001) << name;
-    EXPECT_LT(fogOfPreset(file, 182).share, 0.15) << name;
+    EXPECT_LT(fogOfPreset(file, 182).share, name == std::string("hdl_64e") ? 0.5 : 0.15) << name;
     const Fog dense = fogOfPreset(file, 40);
     EXPECT_GT(dense.share, 0.6) << name;
     EXPECT_LT(dense.ranges[dense.ranges.size() * 99 / 100], 10) << name;
