@@ -216,12 +216,19 @@ std::string ringBiasYaml(const RingErrors& rings) {
     keys += fmt::format("{}{}: {:.2g}", keys.empty() ? "" : ", ", key, spread.sigma);
   };
   add(rings.range, "range_sigma_m");
+  constexpr double kLeastDegrees = 0.002;  // elevations of sensors are stated to 0.001 deg at best
+  if (rings.elevation.agreement >= kOwnErrors && degrees(rings.elevation.sigma) > kLeastDegrees) {
+    keys += fmt::format("{}elevation_sigma_deg: {:.2g}", keys.empty() ? "" : ", ", degrees(rings.elevation.sigma));
+  }
   add(rings.gain, "gain_sigma");
   if (keys.empty()) return {};
   std::string text =
       fmt::format("  # Rings differ: odd and even patches agree on their offsets by a correlation of {:.2f}",
                   rings.range.agreement);
   if (rings.gain.rings > 0) text += fmt::format(", on their\n  # gains by {:.2f}", rings.gain.agreement);
+  if (rings.elevation.rings == 0) {
+    text += ".\n  # Without both walls and level ground, errors of elevation count as errors of range";
+  }
   return text + fmt::format(" ({} rings).\n  - ring_bias: {{{}}}\n", rings.range.rings, keys);
 }
 
@@ -314,7 +321,12 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   }
   constexpr std::uint32_t kDropOutStream = 1000;  // above the stream numbers of the bands, see measureBands()
   fit.dropOut = dropOutOf(usedPatches, kDropOutStream);
-  fit.rings = fitRingErrors(beams, scans, usedPatches);
+  // Grazing views of level ground tell errors of the rings' elevations from those of their ranges.
+  FlatPatches ringPatches = usedPatches;
+  for (const FlatPatch& p : patches) {
+    if (p.incidence < kSteep && std::abs(normalized(p.plane).z) > 0.9) ringPatches.push_back(&p);
+  }
+  fit.rings = fitRingErrors(beams, scans, ringPatches);
   return fit;
 }
 

@@ -27,13 +27,17 @@ struct RingSpread {
 // The constant errors of a sensor's lasers, measured on flat patches.
 struct RingErrors {
   RingSpread range;  // errors of the range (m)
-  RingSpread gain;   // errors of the gain (natural logarithm); empty if scans have no intensities
+  RingSpread
+      elevation;    // errors of the elevation (rad); empty if the patches do not tell them from errors of the range
+  RingSpread gain;  // errors of the gain (natural logarithm); empty if scans have no intensities
 };
 
 // Returns the rings' errors, from a least-squares fit to all patches together. The model of the range differences is a
-// plane per patch plus an offset per ring. The model of the intensities' logarithms is, per patch, a constant and a
-// slope over the rings, plus a gain per ring. If offsets are much larger than the noise, they are underestimated: only
-// patches with small offsets then count as flat.
+// plane per patch plus, for each ring, an offset and an error of the elevation, which moves the range as far as the
+// plane is inclined to the beam: hardly on walls, much on the ground. If upright or level patches are few, all errors
+// count as offsets. The model of the intensities' logarithms is, per patch, a constant and a slope over the rings, plus
+// a gain per ring. If errors are much larger than the noise, they are underestimated: only patches with small
+// differences then count as flat.
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<const FlatPatch*>& patches);
 

@@ -256,12 +256,15 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
                      beams.model, degrees(error));
   }
   recorded.range.assign(beams.size(), kNoReturn);
+  recorded.raised.assign(beams.size(), 0.0f);
   const bool hasIntensities = scan[kIntensity].size() == scan.size();
   if (hasIntensities) recorded.intensity.assign(beams.size(), 0.0f);
   const Pose sensorFromScan = inverse(recorded.scanFromSensor);
   for (const BeamPoint& p : points) {
-    const double range = dot(sensorFromScan * p.position - beams.originOf(p.beam), beams.direction[p.beam]);
+    const Vec3d ray = sensorFromScan * p.position - beams.originOf(p.beam);
+    const double range = dot(ray, beams.direction[p.beam]);
     if (!(range > 0)) continue;
+    recorded.raised[p.beam] = static_cast<float>(dot(ray, upwardsFrom(beams.direction[p.beam])) / range);
     ++recorded.returns;
     recorded.range[p.beam] = range;
     if (hasIntensities) recorded.intensity[p.beam] = scan[kIntensity][p.index];

@@ -2,6 +2,8 @@
 
 // Converts recorded scans to ranges along the known beams of the sensor.
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -15,10 +17,17 @@ namespace scanmill {
 struct RecordedScan {
   std::string name;              // name of the file
   std::vector<double> range;     // distance from each beam's origin to its first return (m); NaN: no return
+  std::vector<float> raised;     // elevation of each beam's point above the beam (rad)
   std::vector<float> intensity;  // intensity of each beam; 0 if it has no return; empty if the scan has no intensities
   Pose scanFromSensor;           // pose of the sensor in the frame of the scan's points
   std::size_t returns = 0;
 };
+
+// Returns the derivative of a beam's direction by its elevation: a unit vector upwards, perpendicular to the beam.
+inline Vec3d upwardsFrom(const Vec3d& direction) {
+  const double level = std::max(std::hypot(direction.x, direction.y), 1e-6);
+  return {-direction.z * direction.x / level, -direction.z * direction.y / level, level};
+}
 
 // Assigns each point of a scan to a beam: in an organised scan by the position in the image, otherwise by the columns
 // `ring` and `column` or, without `column`, by ring and azimuth. Only the first return of a beam is used, since later

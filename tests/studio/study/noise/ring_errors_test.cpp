@@ -43,6 +43,22 @@ TEST(RingErrors, AreFoundAsWideAsTheyAre) {
   EXPECT_THAT(effectsYaml(fit, "today"), HasSubstr("ring_bias: {range_sigma_m: 0.0"));
 }
 
+// Walls and floor tell errors of the elevation from errors of the range, of either size.
+TEST(RingErrors, OfElevationAreToldFromThoseOfRange) {
+  struct Case {
+    double range, elevation;  // m, deg
+  };
+  for (const Case& c : {Case{0.02, 0}, {0, 0.06}, {0.02, 0.06}}) {
+    const NoiseFit fit = fitOf(fmt::format("[ring_bias: {{range_sigma_m: {}, elevation_sigma_deg: {}}}, range_noise: "
+                                           "{{sigma_m: 0.008}}]",
+                                           c.range, c.elevation),
+                               0);
+    EXPECT_NEAR(fit.rings.range.sigma, c.range, 0.2 * c.range + 0.003) << c.range << " m, " << c.elevation << " deg";
+    EXPECT_NEAR(degrees(fit.rings.elevation.sigma), c.elevation, 0.2 * c.elevation + 0.01)
+        << c.range << " m, " << c.elevation << " deg";
+  }
+}
+
 TEST(RingErrors, NoiseIsNone) {
   const NoiseFit fit = fitOf("[range_noise: {sigma_m: 0.008}]", 0);
   EXPECT_LT(fit.rings.range.agreement, kOwnErrors);
