@@ -26,6 +26,9 @@ enum class MeshColor { Class, Instance, Object, Material, Texture, Rule, Reflect
 constexpr std::array<std::string_view, 7> kMeshColorNames{"class",   "instance", "object",     "material",
                                                           "texture", "rule",     "reflectance"};
 
+// Returns why a scene cannot be coloured by a quantity; empty if it can be.
+std::string whyNoMeshColor(const ColorBy& by);
+
 // Returns one colour per triangle. The legend counts triangles.
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by);
 

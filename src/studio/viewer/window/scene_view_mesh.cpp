@@ -1,6 +1,7 @@
 // Shows the scene's mesh: look, colours, visible triangles, and the triangle at a pixel.
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/short_text.h"
 #include "config/resources.h"
@@ -253,6 +254,11 @@ const std::vector<InstanceSummary>& SceneView::instances() {
     summarized_ = frameAndScan;
   }
   return instances_;
+}
+
+std::string whyNoMeshColor(const ColorBy& by) {
+  if (std::ranges::find(kMeshColorNames, by.name()) != kMeshColorNames.end()) return {};
+  return fmt::format("a scene has no {}: it is coloured by {}", by.name(), fmt::join(kMeshColorNames, ", "));
 }
 
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {

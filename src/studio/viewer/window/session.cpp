@@ -51,7 +51,7 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
       panels_(context_, playback_, clouds_, sceneView_, pointer_) {
   if (context_.source->isScene() && !options.colors.empty()) {
     const ColorBy& by = options.colors.front();
-    if (const std::string why = whyNotInScene(by); !why.empty()) {
+    if (const std::string why = whyNoMeshColor(by); !why.empty()) {
       throw InputError(fmt::format("{}: {}", context_.source->title(), why));
     }
     chooseColor(by);

@@ -12,7 +12,8 @@ namespace scanmill {
 
 void SessionContext::notify(const std::string& text, double seconds) {
   // A notice that a key causes replaces older notices of the same key.
-  std::erase_if(notices, [&](const ViewNotice& n) { return n.text == text || (executing && n.cause == executing); });
+  std::erase_if(notices,
+                [&](const ViewNotice& n) { return n.text == text || (executing != nullptr && n.cause == executing); });
   notices.push_back({text, redraw.now() + seconds, executing});
   changes.panels = true;
 }

@@ -44,8 +44,8 @@ class ClassFilter {
 // A message that is shown for some seconds.
 struct ViewNotice {
   std::string text;
-  double until = 0;                 // time of RedrawScheduler::now() at which the message disappears (s)
-  std::optional<KeyMeaning> cause;  // the key that caused the message
+  double until = 0;                    // time of RedrawScheduler::now() at which the message disappears (s)
+  const ViewCommand* cause = nullptr;  // the command whose key caused the message; null: no key did
 };
 
 // Selects the points and triangles that are shown.
@@ -83,7 +83,7 @@ struct SessionContext {
   ShownFilter filter;
   std::vector<ViewNotice> notices;
   std::vector<std::string> hints;
-  std::optional<KeyMeaning> executing;  // the key whose action is being executed
+  const ViewCommand* executing = nullptr;  // the command whose key is being handled
 };
 
 struct InstanceSummary {
