@@ -67,7 +67,7 @@ void SceneView::placeVehicle() {
   Canvas& canvas = context_.canvas;
   const bool isPoseKnown = context_.frame && context_.frame->worldFromVehicle && worldFromAnchor;
   const auto file = isPoseKnown && context_.options.axes ? context_.source->vehicle() : std::nullopt;
-  if (file && !vehicle_) vehicle_ = loadViewMesh(*file, 1);
+  if (file && !vehicle_) vehicle_ = loadViewMesh({.file = *file});
   const bool places = file && vehicle_->size() > 0;
   if (places && !vehiclePlaced_) {
     canvas.set(kVehicleItem, ItemKind::Triangles, vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
