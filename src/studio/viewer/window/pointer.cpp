@@ -186,16 +186,14 @@ std::optional<PickedElement> Pointer::pick(int px, int py) const {
   const CanvasView& view = context_.redraw.views()[*viewIndex];
   const double right = px - view.rect.left + 0.5;  // position of the pixel's middle in the view
   const double down = py - view.rect.top + 0.5;
-  std::vector<PickCloud> candidates;
-  std::vector<std::size_t> cloudIndices;  // index of each candidate in the list of clouds
-  for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
+  std::vector<PickCloud> candidates(clouds_.list.size());  // without points for clouds in other views
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
     const ShownCloud& cloud = clouds_.list[k];
-    if (cloud.view != *viewIndex) continue;
-    candidates.push_back({clouds_.scanOf(cloud).drawnPositions(), cloud.shown, cloud.canvasFromScan});
-    cloudIndices.push_back(k);
+    if (cloud.view == *viewIndex)
+      candidates[k] = {clouds_.scanOf(cloud).drawnPositions(), cloud.shown, cloud.canvasFromScan};
   }
   if (const auto hit = pickPoint(candidates, view.camera, right, down, sceneView_.pointSize(), kReach)) {
-    return pickedPoint(cloudIndices[hit->cloud], hit->point);
+    return pickedPoint(hit->cloud, hit->point);
   }
   return sceneView_.pickMesh(sightLine(view.camera, right, down));
 }
