@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include "base/short_text.h"
 #include "viewer/panels/panel_rects.h"
@@ -107,10 +108,11 @@ struct LegendRow {
   } look = Look::Shown;
 };
 
-// Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. `width`: width of
-// the row (pixels). Returns true if the user has clicked the row.
-bool drawLegendRow(int id, const LegendRow& row, bool clickable, float width) {
+// Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. Returns true if
+// the user has clicked the row.
+bool drawLegendRow(int id, const LegendRow& row, bool clickable) {
   using Look = LegendRow::Look;
+  const float width = ImGui::GetContentRegionAvail().x;
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   const ImVec2 end{corner.x + width, corner.y + lineHeight() + 2};  // lower right corner
   ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -190,10 +192,7 @@ void section(const std::string& title, PanelUse use, const std::function<void()>
 void drawLabels(const std::vector<PanelLabel>& labels) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float margin = lineHeight() * 0.5F;
-  struct TextArea {
-    ImVec2 corner, end;  // upper left and lower right
-  };
-  std::vector<TextArea> drawn;
+  std::vector<ImRect> drawn;  // areas of the texts so far
   for (const PanelLabel& label : labels) {
     const ImVec2 center{static_cast<float>(label.x), static_cast<float>(label.y)};
     const ImVec2 viewCorner = topLeft(label.within), viewSize = sizeOf(label.within);
@@ -208,14 +207,11 @@ void drawLabels(const std::vector<PanelLabel>& labels) {
     }
     float y = center.y - margin - size.y;
     if (y < viewCorner.y + margin) y = center.y + 2 * margin;
-    const TextArea area{{x - 3, y - 1}, {x + size.x + 3, y + size.y + 1}};
-    const auto overlaps = [&](const TextArea& other) {
-      return area.corner.x < other.end.x && other.corner.x < area.end.x && area.corner.y < other.end.y &&
-             other.corner.y < area.end.y;
-    };
+    const ImRect area(x - 3, y - 1, x + size.x + 3, y + size.y + 1);
+    const auto overlaps = [&](const ImRect& other) { return area.Overlaps(other); };
     if (label.optional && std::ranges::any_of(drawn, overlaps)) continue;
     drawn.push_back(area);
-    list.AddRectFilled(area.corner, area.end, packed(kBackground, 200), 3);
+    list.AddRectFilled(area.Min, area.Max, packed(kBackground, 200), 3);
     addText(list, {std::floor(x), std::floor(y)}, packed({255, 255, 255}), text);
   }
 }
@@ -263,14 +259,13 @@ LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden
   for (const LegendEntry& entry : legend.entries) points += entry.points;
   const auto isAbsent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
   const auto countText = [&](std::uint64_t count) { return points > 0 ? grouped(count) : std::string(); };
-  const float width = ImGui::GetContentRegionAvail().x;
   if (clickable && use == PanelUse::Interactive && entries > 1) {
     const auto hiddenEntries = static_cast<std::size_t>(std::ranges::count(hidden, true));
     const Look look = hiddenEntries == 0 ? Look::Shown : hiddenEntries < entries ? Look::Partly : Look::Hidden;
     const ImVec4 color = ImGui::GetStyleColorVec4(ImGuiCol_Text);
     const auto byte = [](float channel) { return static_cast<std::uint8_t>(std::lround(channel * 255)); };
     const LegendRow row{"all", countText(points), {byte(color.x), byte(color.y), byte(color.z)}, look};
-    click.allEntries = drawLegendRow(-1, row, true, width);
+    click.allEntries = drawLegendRow(-1, row, true);
   }
   // A picture shows only the entries that have points, and only as many as fit into the panel.
   std::size_t undrawn = entries, lines = entries;
@@ -287,7 +282,7 @@ LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden
     --undrawn;
     const Look look = isHidden(i) ? Look::Hidden : isAbsent(entry) ? Look::Absent : Look::Shown;
     const LegendRow row{entry.name, countText(entry.points), entry.color, look};
-    if (drawLegendRow(static_cast<int>(i), row, clickable, width)) click.entry = i;
+    if (drawLegendRow(static_cast<int>(i), row, clickable)) click.entry = i;
   }
   if (undrawn > 0) dimText(fmt::format("+ {} more", undrawn));
   return click;
@@ -320,7 +315,7 @@ std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use) {
   }
   ImGui::Dummy({1, barHeight + lineHeight() + 4});
   if (legend.unknown > 0) {
-    drawLegendRow(-2, {"no value", grouped(legend.unknown), kNoValue}, false, width);
+    drawLegendRow(-2, {"no value", grouped(legend.unknown), kNoValue}, false);
     if (!legend.whyUnknown.empty()) drawWrapped(dimText, legend.whyUnknown);
   }
   if (use == PanelUse::Picture) return {};
