@@ -72,13 +72,9 @@ void Pointer::moveTo(const CanvasEvent& event) {
   drag.x = event.x;
   drag.y = event.y;
   const PixelRect& rect = context_.redraw.views()[viewAt(drag.downX, drag.downY).value_or(0)].rect;
-  OrbitCamera turned = sceneView_.camera;
-  if (drag.pan) {
-    turned.pan(right, down, rect.width, rect.height);
-  } else {
-    turned.orbit(right, down, rect.height);
-  }
-  sceneView_.setCamera(turned);
+  sceneView_.changeCamera([&](OrbitCamera& camera) {
+    drag.pan ? camera.pan(right, down, rect.width, rect.height) : camera.orbit(right, down, rect.height);
+  });
 }
 
 void Pointer::release(const CanvasEvent& event) {
@@ -122,9 +118,7 @@ void Pointer::turnAbout() {
 }
 
 void Pointer::lookAt(const Vec3d& position) {
-  OrbitCamera turned = sceneView_.camera;
-  turned.lookAt(position);
-  sceneView_.setCamera(turned);
+  sceneView_.changeCamera([&](OrbitCamera& camera) { camera.lookAt(position); });
 }
 
 void Pointer::placeMeasure() {
@@ -258,7 +252,8 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
   const InstanceRef key{cloud.scan, instance};
   if (!lastSummary_ || !(lastSummary_->first == key)) {
     const ViewScan& viewed = clouds_.scanOf(cloud);
-    lastSummary_.emplace(key, summarizeInstance(viewed.scan, viewed.drawnPositions(), instance, cloud.canvasFromScan));
+    auto found = summarizeInstances(viewed.scan, viewed.drawnPositions(), cloud.canvasFromScan, instance);
+    lastSummary_.emplace(key, found.empty() ? InstanceSummary{} : std::move(found.front()));
   }
   return lastSummary_->second;
 }

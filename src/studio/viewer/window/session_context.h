@@ -98,12 +98,11 @@ struct InstanceSummary {
   Affine levelFromBox;
 };
 
-// Summarises one instance. `positions`: positions of the scan's points (m). `levelFromPoints`: transform from the frame
-// of `positions` to a frame whose z axis is vertical.
-InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
-                                  const Affine& levelFromPoints);
-// Summarises all instances except 0, in the order of their ids.
+// Summarises the instances that have finite points, in the order of their ids: all except 0 or, if `only` is given,
+// this one. `positions`: positions of the scan's points (m). `levelFromPoints`: transform from the frame of `positions`
+// to a frame whose z axis is vertical.
 std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> positions,
-                                                const Affine& levelFromPoints);
+                                                const Affine& levelFromPoints,
+                                                std::optional<std::uint32_t> only = std::nullopt);
 
 }  // namespace scanmill
