@@ -63,6 +63,12 @@ struct SceneView {
   // Returns the camera as a value of --camera.
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
+  // Calls change(copy) with a copy of the camera, and sets the camera to the changed copy.
+  void changeCamera(const auto& change) {
+    OrbitCamera changed = camera;
+    change(changed);
+    setCamera(changed);
+  }
 
   // Functions for the scene's mesh, most of them in scene_view_mesh.cpp:
   bool isMeshOn() const { return context_.options.mesh || context_.source->isScene(); }

@@ -70,9 +70,7 @@ void ViewSession::handleButtonOrWheel(const CanvasEvent& event) {
   if (panels_.imgui.hasPointer()) return;
   if (event.kind == CanvasEvent::Kind::Down) return pointer_.press(event);
   if (!std::isfinite(event.amount)) return;
-  OrbitCamera zoomed = sceneView_.camera;
-  zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
-  sceneView_.setCamera(zoomed);
+  sceneView_.changeCamera([&](OrbitCamera& camera) { camera.zoom(std::clamp(event.amount, -20.0, 20.0)); });
 }
 
 // Handles a tick: shows what is loaded, plays frames, removes old notices, and draws all points after a pause.
@@ -104,10 +102,8 @@ void ViewSession::resizePoints(int pixels) {
 }
 
 void ViewSession::toggleProjection() {
-  OrbitCamera changed = sceneView_.camera;
-  changed.orthographic = !changed.orthographic;
-  sceneView_.setCamera(changed);
-  context_.notify(changed.orthographic ? "orthographic" : "perspective");
+  sceneView_.changeCamera([](OrbitCamera& camera) { camera.orthographic = !camera.orthographic; });
+  context_.notify(sceneView_.camera.orthographic ? "orthographic" : "perspective");
 }
 
 // Asks the user for a frame. Closes the help, which would otherwise receive the keys.

@@ -94,16 +94,16 @@ std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   return common;
 }
 
-// Returns the colours of a scan in a view. If the scan lacks the column, returns the default colours, and sets
+// Returns the colours of a scan in its view. If the scan lacks the column, returns the default colours, and sets
 // `colorProblem` and `columnMissing`.
-Coloring ShownClouds::colored(std::size_t scanIndex, std::size_t view) {
-  const ViewScan& scan = context_.frame->scans[scanIndex];
+Coloring ShownClouds::colored(const ShownCloud& cloud) {
+  const ViewScan& scan = scanOf(cloud);
   if (scan.coloring) return *scan.coloring;
   ColorContext context = contextOf(scan);
   try {
-    context.scale = scaleOf(view);
-    Coloring coloring = colorScan(scan.scan, colorOf(view), context);
-    coloring.legend.endsChosen = scales[view].has_value();
+    context.scale = scaleOf(cloud.view);
+    Coloring coloring = colorScan(scan.scan, colorOf(cloud.view), context);
+    coloring.legend.endsChosen = scales[cloud.view].has_value();
     return coloring;
   } catch (const InputError& e) {
     colorProblem = fmt::format("{}: {}", scan.name, e.what());
@@ -118,7 +118,13 @@ void ShownClouds::arrange() {
   colorProblem.clear();
   columnMissing.reset();
   commonScales_.clear();
-  listClouds();
+  // All scans are in one view, or one scan in each view, or one scan in all views.
+  const std::size_t scans = context_.frame ? context_.frame->scans.size() : 0;
+  const bool splitsScans = context_.options.layout == ViewLayout::Split && scans > 1;
+  const std::size_t clouds = scans == 0 ? 0 : overlaid() ? scans : viewCount();
+  for (std::size_t k = 0; k < clouds; ++k) {
+    list.push_back({.scan = overlaid() || splitsScans ? k : shownScan(), .view = overlaid() ? 0 : k});
+  }
   if (activeView && *activeView >= viewCount()) activeView.reset();
   for (std::size_t k = 0; k < list.size(); ++k) {
     ShownCloud& cloud = list[k];
@@ -126,7 +132,7 @@ void ShownClouds::arrange() {
     if (overlaid()) {
       cloud.coloring.colors.assign(scan.size(), overlayColor(cloud.scan));
     } else {
-      cloud.coloring = colored(cloud.scan, cloud.view);
+      cloud.coloring = colored(cloud);
     }
     cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
     if (!classesKnown_) addClasses(scan, presentClasses);
@@ -135,22 +141,11 @@ void ShownClouds::arrange() {
   for (std::size_t k = list.size(); k < previousClouds; ++k) context_.canvas.drop(cloudItem(k));
 }
 
-// Fills `list` with scans and views for the layout: all scans in one view, one scan per view, or one scan in all views.
-void ShownClouds::listClouds() {
-  const std::size_t scans = context_.frame ? context_.frame->scans.size() : 0;
-  if (scans == 0) return;
-  const bool splitsScans = context_.options.layout == ViewLayout::Split && scans > 1;
-  const std::size_t clouds = overlaid() ? scans : viewCount();
-  for (std::size_t k = 0; k < clouds; ++k) {
-    list.push_back({.scan = overlaid() || splitsScans ? k : shownScan(), .view = overlaid() ? 0 : k});
-  }
-}
-
 void ShownClouds::recolor(std::size_t view) {
   if (overlaid()) return;
   for (std::size_t k = 0; k < list.size(); ++k) {
     if (list[k].view != view) continue;
-    list[k].coloring = colored(list[k].scan, view);
+    list[k].coloring = colored(list[k]);
     context_.canvas.setColors(cloudItem(k), list[k].coloring.colors);
   }
   context_.changes.items = context_.changes.panels = true;

@@ -76,12 +76,11 @@ struct ShownClouds {
   std::size_t stripCloud = 0;  // index in `list` of the cloud that the range image shows
 
  private:
-  Coloring colored(std::size_t scan, std::size_t view);
+  Coloring colored(const ShownCloud& cloud);
   std::optional<std::vector<std::uint32_t>> filtered(ShownCloud& cloud) const;
   std::optional<ScaleRange> scaleOf(std::size_t view);
   ColorContext contextOf(const ViewScan& scan) const;
   bool isAffected(std::size_t view) const { return !activeView || *activeView == view; }
-  void listClouds();
 
   SessionContext& context_;
   std::map<ColorBy, ScaleRange> commonScales_;  // ends of scales that scans side by side share
