@@ -69,6 +69,8 @@ struct SessionContext {
                chosen.closeUp,
                {}} {}
 
+  // Returns the number of scans in the frame; 0 if there is no frame.
+  std::size_t scanCount() const { return frame ? frame->scans.size() : 0; }
   // Shows a message for some seconds.
   void notify(const std::string& text, double seconds = 4);
   // Shows a message for longer than notify() does by default. The same message is shown only once in a session.

@@ -115,8 +115,8 @@ void ViewSession::openPrompt() {
 }
 
 void ViewSession::nextScan() {
-  if (!context_.frame || context_.frame->scans.size() < 2) return context_.notify("the sample has no other scan");
-  clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.frame->scans.size()].name;
+  if (context_.scanCount() < 2) return context_.notify("the sample has no other scan");
+  clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.scanCount()].name;
   context_.options.layout = ViewLayout::One;
   arrange();
 }
@@ -128,8 +128,7 @@ void ViewSession::toggleLayout(ViewLayout layout) {
   }
   context_.options.layout = context_.options.layout == layout ? ViewLayout::One : layout;
   clouds_.activeView.reset();
-  if (context_.options.layout == ViewLayout::Split && context_.frame && context_.frame->scans.size() == 1)
-    clouds_.activeView = 1;
+  if (context_.options.layout == ViewLayout::Split && context_.scanCount() == 1) clouds_.activeView = 1;
   arrange();
 }
 
@@ -160,7 +159,7 @@ void ViewSession::nextView() {
   if (clouds_.viewCount() < 2) return context_.notify("there is one view only; s splits it");
   clouds_.activeView = clouds_.activeView ? *clouds_.activeView + 1 : 0;
   if (*clouds_.activeView >= clouds_.viewCount()) clouds_.activeView.reset();
-  if (!clouds_.activeView && context_.frame->scans.size() == 1) clouds_.activeView = 0;
+  if (!clouds_.activeView && context_.scanCount() == 1) clouds_.activeView = 0;
   context_.changes.items = context_.changes.panels = true;
   clouds_.makeStrip();
 }

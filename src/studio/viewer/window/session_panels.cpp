@@ -128,7 +128,7 @@ void ViewSession::drawLegends(LegendKind kind) {
     const Legend& legend = block.legend;
     if (legend.scale != (kind == LegendKind::Scale)) continue;
     std::string title = legend.scale ? scaleTitle(legend) : legend.title;
-    if (blocks.size() > 1 && context_.frame && context_.frame->scans.size() > 1) {
+    if (blocks.size() > 1 && context_.scanCount() > 1) {
       title += ": " + panels_.panes[block.views.front()].caption;
     }
     section(title, panelUse(), [&] { legend.scale ? drawScaleOf(block) : drawEntriesOf(legend); });

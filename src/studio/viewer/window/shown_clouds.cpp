@@ -35,8 +35,9 @@ ShownClouds::ShownClouds(SessionContext& context) : context_(context) {
 }
 
 std::size_t ShownClouds::viewCount() const {
-  if (context_.options.layout != ViewLayout::Split || !context_.frame || context_.frame->scans.empty()) return 1;
-  return context_.frame->scans.size() == 1 ? 2 : std::min(context_.frame->scans.size(), kCanvasViews);
+  const std::size_t scans = context_.scanCount();
+  if (context_.options.layout != ViewLayout::Split || scans == 0) return 1;
+  return scans == 1 ? 2 : std::min(scans, kCanvasViews);
 }
 
 std::size_t ShownClouds::shownScan() const {
@@ -65,10 +66,10 @@ bool ShownClouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
 // range that the scan has, otherwise the height. The second view of a single scan skips the first view's quantity.
 ColorBy ShownClouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
-  if (!context_.frame || context_.frame->scans.empty()) return kByClass;
-  const bool isSecondOfScan = context_.frame->scans.size() == 1 && view > 0;
+  if (context_.scanCount() == 0) return kByClass;
+  const bool isSecondOfScan = context_.scanCount() == 1 && view > 0;
   if (!isSecondOfScan && context_.options.colors.size() == 1) return context_.options.colors.front();
-  const ViewScan& scan = context_.frame->scans[view < context_.frame->scans.size() ? view : 0];
+  const ViewScan& scan = context_.frame->scans[view < context_.scanCount() ? view : 0];
   for (const ColorBy& by : {kByClass, kByIntensity, kByRange}) {
     if (hasColor(scan, by) && !(isSecondOfScan && by == colorOf(0))) return by;
   }
@@ -80,7 +81,7 @@ ColorBy ShownClouds::colorOf(std::size_t view) const {
 std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);
-  if (context_.options.layout != ViewLayout::Split || context_.frame->scans.size() < 2 || !isNumeric(by)) return {};
+  if (context_.options.layout != ViewLayout::Split || context_.scanCount() < 2 || !isNumeric(by)) return {};
   if (const auto found = commonScales_.find(by); found != commonScales_.end()) return found->second;
   std::optional<ScaleRange> common;
   for (std::size_t v = 0; v < viewCount(); ++v) {
@@ -119,7 +120,7 @@ void ShownClouds::arrange() {
   columnMissing.reset();
   commonScales_.clear();
   // All scans are in one view, or one scan in each view, or one scan in all views.
-  const std::size_t scans = context_.frame ? context_.frame->scans.size() : 0;
+  const std::size_t scans = context_.scanCount();
   const bool splitsScans = context_.options.layout == ViewLayout::Split && scans > 1;
   const std::size_t clouds = scans == 0 ? 0 : overlaid() ? scans : viewCount();
   for (std::size_t k = 0; k < clouds; ++k) {
@@ -218,7 +219,7 @@ void ShownClouds::chooseColor(const ColorBy& by) {
     colors[view] = by;
   }
   commonScales_.clear();
-  const bool sharesScales = context_.options.layout == ViewLayout::Split && context_.frame->scans.size() > 1;
+  const bool sharesScales = context_.options.layout == ViewLayout::Split && context_.scanCount() > 1;
   for (std::size_t view = 0; view < viewCount(); ++view) {
     if (isAffected(view) || (sharesScales && isNumeric(colorOf(view)))) recolor(view);
   }

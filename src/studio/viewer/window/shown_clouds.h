@@ -39,9 +39,7 @@ struct ShownClouds {
   void makeStrip();
 
   // True if all scans of the frame are in one view, each in a fixed colour.
-  bool overlaid() const {
-    return context_.options.layout == ViewLayout::Overlay && context_.frame && context_.frame->scans.size() > 1;
-  }
+  bool overlaid() const { return context_.options.layout == ViewLayout::Overlay && context_.scanCount() > 1; }
   std::size_t viewCount() const;
   std::size_t shownScan() const;  // returns the index of the scan that the layout One shows
   ColorBy colorOf(std::size_t view) const;

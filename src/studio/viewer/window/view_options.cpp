@@ -12,9 +12,6 @@ namespace {
 // Reasons why commands do nothing for a scene without scans.
 constexpr const char* kNoFrames = "a scene has no frames: a dataset of it has";
 constexpr const char* kNoScans = "a scene has no scans: a dataset of it has";
-constexpr const char* kNoRangeImage = "a scene has no range image: a dataset of it has";
-constexpr const char* kNoTrajectory = "a scene has no trajectory: a dataset of it has";
-constexpr const char* kNoRangeRings = "a scene has no sensor to draw range rings about";
 
 }  // namespace
 
@@ -22,13 +19,10 @@ const std::vector<ViewCommand>& ViewSession::commands() {
   static const std::vector<ViewCommand> all = [] {
     using S = ViewSession;
     const auto switchOf = [](std::string_view menu, const std::string& label, const std::string& key,
-                             bool ViewOptions::*option, std::string_view whyNotInScene = "") {
-      return ViewCommand{menu,
-                         label,
-                         {key},
-                         [=](S& s) { s.switchOption(option); },
-                         std::string(whyNotInScene),
-                         [=](const S& s) { return s.context_.options.*option; }};
+                             bool ViewOptions::*option, const std::string& whyNotInScene = "") {
+      return ViewCommand{menu,          label,
+                         {key},         [=](S& s) { s.switchOption(option); },
+                         whyNotInScene, [=](const S& s) { return s.context_.options.*option; }};
     };
     const auto presetView = [](const std::string& label, const std::string& key, View view) {
       return ViewCommand{"Camera", label, {key}, [=](S& s) { s.sceneView_.setCamera(s.sceneView_.preset(view)); }};
@@ -56,7 +50,8 @@ const std::vector<ViewCommand>& ViewSession::commands() {
          kNoScans,
          [](const S& s) { return s.context_.options.layout == ViewLayout::Split; }},
         {"Scans", "next view that colours are chosen for", {"Tab"}, [](S& s) { s.nextView(); }, kNoScans},
-        switchOf("Scans", "range image", "i", &ViewOptions::rangeImage, kNoRangeImage),
+        switchOf("Scans", "range image", "i", &ViewOptions::rangeImage,
+                 "a scene has no range image: a dataset of it has"),
     };
     for (int i = 0; i < 10; ++i) {  // the keys 1 to 9, then 0
       const ColorBy by(colorNames()[static_cast<std::size_t>(i)]);
@@ -82,9 +77,10 @@ const std::vector<ViewCommand>& ViewSession::commands() {
          [](S& s) { s.nextBoxes(); },
          "a scene has no list of objects: a dataset of it may have",
          [](const S& s) { return s.sceneView_.instanceBoxes; }},
-        switchOf("Show", "trajectory", "t", &ViewOptions::trajectory, kNoTrajectory),
+        switchOf("Show", "trajectory", "t", &ViewOptions::trajectory, "a scene has no trajectory: a dataset of it has"),
         switchOf("Show", "axes of the sensors (x red, y green, z blue), and the ego vehicle", "a", &ViewOptions::axes),
-        switchOf("Show", "range rings on the ground", "r", &ViewOptions::rangeRings, kNoRangeRings),
+        switchOf("Show", "range rings on the ground", "r", &ViewOptions::rangeRings,
+                 "a scene has no sensor to draw range rings about"),
         switchOf("Show", "dark depth edges", "e", &ViewOptions::depthEdges),
         {"Show", "larger points", {"+", "="}, [](S& s) { s.resizePoints(1); }, "a scene has no points"},
         {"Show", "smaller points", {"-"}, [](S& s) { s.resizePoints(-1); }, "a scene has no points"},
