@@ -389,16 +389,13 @@ std::vector<const Concept*> Vocabulary::conceptsIn(std::string_view name) const 
   return scanmill::conceptsIn(concepts_, tellingPart(name));
 }
 
-const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset) {
-  if (statesClasses(words, asset)) return nullptr;
+FileConcept conceptOfFile(const Vocabulary& words, const Asset& asset) {
+  if (statesClasses(words, asset)) return {};
+  const std::vector<const Concept*> parts = guessParts(words, asset, nullptr);
   const Concept* const file = words.conceptOf(asset.file.stem().string());
-  const bool isObject = file != nullptr && file->kind == ConceptKind::Whole;
-  return isObject && isPlace(guessParts(words, asset, nullptr), file) ? nullptr : file;
-}
-
-const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset) {
-  if (statesClasses(words, asset) || words.conceptOf(asset.file.stem().string()) != nullptr) return nullptr;
-  return isPlace(guessParts(words, asset, nullptr)) ? nullptr : words.conceptOf(folderName(asset.file));
+  if (file != nullptr) return {file->kind == ConceptKind::Whole && isPlace(parts, file) ? nullptr : file};
+  const Concept* const folder = isPlace(parts) ? nullptr : words.conceptOf(folderName(asset.file));
+  return {folder, folder != nullptr};
 }
 
 std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file) {
