@@ -258,7 +258,6 @@ double distanceToTriangle(std::span<const Vec3f, 3> corners, const Vec3d& origin
 
 ViewMesh makeViewMesh(const Scene& scene) {
   ViewMesh view;
-  view.name = scene.name;
   const std::uint64_t triangles = scene.placedTriangles();
   if (triangles > kMostViewTriangles) {
     view.problem = fmt::format(
@@ -293,7 +292,6 @@ ViewMesh loadViewMesh(const SceneChoice& choice) {
     return view;
   } catch (const std::exception& e) {
     ViewMesh failed;
-    failed.name = choice.file.stem().string();
     failed.problem = reasonOf(e);
     return failed;
   }

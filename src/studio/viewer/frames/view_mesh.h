@@ -22,8 +22,7 @@ struct ViewSurface {
 };
 
 struct ViewMesh {
-  std::string name;
-  // Why there is no mesh (scene unreadable or too large); all other members except `name` are then empty.
+  // Why there is no mesh (scene unreadable or too large); all other members are then empty.
   std::string problem;
   Vec3d origin;                         // origin of all coordinates of this mesh, in the world frame (m)
   std::vector<Vec3f> corners;           // three per triangle, relative to `origin`, along the world's axes (m)

@@ -84,12 +84,12 @@ void Pointer::release(const CanvasEvent& event) {
   x = event.x;
   y = event.y;
   context_.changes.hover = true;
-  if (isClick) click(event.x, event.y);
+  if (isClick) click();
 }
 
-// Selects the point or triangle at the pixel or, while measuring, adds its position to `ends`.
-void Pointer::click(int px, int py) {
-  auto picked = pick(px, py);
+// Selects the point or triangle under the pointer or, while measuring, adds its position to `ends`.
+void Pointer::click() {
+  auto picked = pick(x, y);
   context_.changes.panels = true;
   if (!measuring) {
     pinned.reset();
@@ -192,15 +192,15 @@ std::optional<PickedElement> Pointer::pick(int px, int py) const {
   return sceneView_.pickMesh(sightLine(view.camera, right, down));
 }
 
-std::optional<PickedElement> Pointer::pickStrip(const PixelRect& rect, int px, int py) const {
-  if (!clouds_.strip || !rect.contains(px, py)) return {};
+std::optional<PickedElement> Pointer::pickStrip(const PixelRect& rect) const {
+  if (!clouds_.strip || !rect.contains(x, y)) return {};
   // Returns the row or column of the image that is `offset` pixels from the edge of the rectangle.
   const auto imagePixel = [](int offset, int imagePixels, int rectPixels) {
     return static_cast<std::size_t>(static_cast<std::int64_t>(offset) * imagePixels / rectPixels);
   };
   const Image& image = clouds_.strip->image;
-  const std::size_t row = imagePixel(py - rect.top, image.height, rect.height);
-  const std::size_t column = imagePixel(px - rect.left, image.width, rect.width);
+  const std::size_t row = imagePixel(y - rect.top, image.height, rect.height);
+  const std::size_t column = imagePixel(x - rect.left, image.width, rect.width);
   const std::uint32_t point = clouds_.strip->pointAt[row * static_cast<std::size_t>(image.width) + column];
   if (point == kNoPoint) return {};
   return pickedPoint(clouds_.stripCloud, point);
@@ -211,7 +211,7 @@ void Pointer::updateHover(bool isOverPanel, const std::optional<PixelRect>& stri
   std::optional<PickedElement> picked;
   if (drag.button == 0 && x >= 0) {
     if (strip) {
-      picked = pickStrip(*strip, x, y);
+      picked = pickStrip(*strip);
     } else if (!isOverPanel) {
       picked = pick(x, y);
     }

@@ -198,7 +198,7 @@ void ViewSession::drawStrip() {
   });
   ImGui::PopStyleVar();
   if (!pressed) return;
-  if (auto picked = pointer_.pickStrip(rect, pointer_.x, pointer_.y)) {
+  if (auto picked = pointer_.pickStrip(rect)) {
     pointer_.lookAt(picked->position);
     pointer_.pinned = pointer_.withOtherScans(std::move(*picked));
   }
