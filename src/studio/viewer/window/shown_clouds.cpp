@@ -196,7 +196,6 @@ std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& clou
   return indices;
 }
 
-// True if a choice of colours applies to the view: the view is active, or all views are active.
 void ShownClouds::chooseColor(const ColorBy& by) {
   if (list.empty()) return;
   if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
