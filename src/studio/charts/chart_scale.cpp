@@ -23,25 +23,24 @@ double roundLogDown(double limit) {
 ChartScale::ChartScale(const ChartAxis& axis, const std::vector<double>& values, bool includesZero, double labelRoom)
     : log_(axis.scale == AxisScale::Log),
       hasBand_(log_ && std::ranges::any_of(values, [](double v) { return !(v > 0); })) {
+  if (!axis.names.empty()) {
+    // The name with index i covers the values from i - 0.5 to i + 0.5; the value i is in the middle.
+    low_ = -0.5, high_ = static_cast<double>(axis.names.size()) - 0.5;
+    for (const std::string& name : axis.names) ticks_.push_back({positionOf(static_cast<double>(ticks_.size())), name});
+    return;
+  }
   std::vector<double> mappedValues;
   for (const double v : values) {
     if (!log_ || v > 0) mappedValues.push_back(mapped(v));
   }
-  // The name with index i covers the values from i - 0.5 to i + 0.5; the value i is in the middle.
-  if (!axis.names.empty()) mappedValues = {-0.5, static_cast<double>(axis.names.size()) - 0.5};
   if (includesZero || mappedValues.empty()) mappedValues.push_back(0);
   const auto [least, greatest] = std::ranges::minmax(mappedValues);
   low_ = least, high_ = greatest;
-  if (axis.names.empty()) {
-    widen(includesZero);
-    const auto isOnScale = [&](const std::optional<double>& end) { return end && (!log_ || *end > 0); };
-    if (isOnScale(axis.low) && mapped(*axis.low) <= least) low_ = mapped(*axis.low);
-    if (isOnScale(axis.high) && mapped(*axis.high) >= greatest) high_ = mapped(*axis.high);
-  }
+  widen(includesZero);
+  const auto isOnScale = [&](const std::optional<double>& end) { return end && (!log_ || *end > 0); };
+  if (isOnScale(axis.low) && mapped(*axis.low) <= least) low_ = mapped(*axis.low);
+  if (isOnScale(axis.high) && mapped(*axis.high) >= greatest) high_ = mapped(*axis.high);
   if (hasBand_) ticks_.push_back({positionOf(0), axis.zero});
-  for (std::size_t i = 0; i < axis.names.size(); ++i)
-    ticks_.push_back({positionOf(static_cast<double>(i)), axis.names[i]});
-  if (!axis.names.empty()) return;
   labelRoom = std::max(labelRoom, 2.0);
   log_ ? addLogarithmicTicks(axis.unit, labelRoom) : addLinearTicks(axis.unit, labelRoom);
 }

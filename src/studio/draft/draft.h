@@ -28,8 +28,7 @@ struct GuessedFile {
   std::filesystem::path file;
   std::string name;  // name of the object in the scene file, unique in it
   std::vector<GuessedPart> parts;
-  const Concept* fileConcept = nullptr;  // the concept that the name of the file or its folder states; null: none
-  bool conceptByFolder = false;          // the name of the folder states `fileConcept`
+  FileConcept fileConcept;
   FrameGuess frame;
   Box box;                // bounding box (m), computed with the guessed unit and up axis
   bool mixed = false;     // the file's name states both a ground and an object
@@ -56,8 +55,8 @@ struct GuessedFile {
   }
   // Returns the number of triangles whose concept the file's name states too. guessed() also counts these triangles.
   std::uint64_t byFile() const {
-    if (fileConcept == nullptr || conceptByFolder) return 0;
-    return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept; });
+    if (fileConcept.shown == nullptr || fileConcept.byFolder) return 0;
+    return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept.shown; });
   }
   // Returns the number of triangles whose concept only the name of the file's folder states.
   std::uint64_t byFolder() const {

@@ -93,12 +93,12 @@ bool isFlat(const Concept& c) {
 // Returns a score for y (`axis` 1) or z (2) as the up axis; the higher score wins. Objects usually start at 0 along the
 // up axis and are centred along the other axes. Trees are tall; cars, grounds and places are low. The shape counts more
 // than the origin; the scores and fractions were tuned on files of many programs. `low`: lower corner of the box.
-double upScoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
-                 const FrameGuess& guess) {
+double upScoreOf(const std::array<double, 3>& low, std::size_t axis, const FrameGuess& guess) {
   constexpr double kAtZero = 0.03, kThin = 0.1;  // kAtZero: fraction of the up extent; kThin: of the longest extent
   constexpr double kCentred = 0.1;               // fraction of the horizontal extent
   constexpr double kStartsAtZeroScore = 1, kCentredScore = 0.5, kShapeScore = 2;
   double score = 0;
+  const std::array<double, 3>& extent = guess.extent;
   const double longest = *std::ranges::max_element(extent);
   if (longest <= 0) return 0;
   if (std::abs(low[axis]) <= kAtZero * std::max(extent[axis], kThin * longest)) score += kStartsAtZeroScore;
@@ -159,14 +159,14 @@ void guessUnit(FrameGuess& guess) {
                               object.longest, usual.low, usual.high);
 }
 
-// Sets the up axis. `low`, `extent`: lower corner and size of the asset's box, in the file's units.
-void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& extent, FrameGuess& guess) {
-  const double y = upScoreOf(low, extent, 1, guess), z = upScoreOf(low, extent, 2, guess);
+// Sets the up axis. `low`: lower corner of the asset's box, in the file's units.
+void guessAxis(const std::array<double, 3>& low, FrameGuess& guess) {
+  const double y = upScoreOf(low, 1, guess), z = upScoreOf(low, 2, guess);
   guess.up = y > z ? 'y' : 'z';
   guess.doubtfulUp = y == z;
   guess.whyUp = y == z ? "the file does not show which axis is up"
                        : fmt::format("{} measures {:.3g} x {:.3g} x {:.3g} units, and starts at {:.3g} along {}",
-                                     nameOf(guess.object), extent[0], extent[1], extent[2],
+                                     nameOf(guess.object), guess.extent[0], guess.extent[1], guess.extent[2],
                                      low[guess.up == 'y' ? 1 : 2], guess.up);
 }
 
@@ -211,10 +211,10 @@ std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vect
 // Returns the object or ground to which a part belongs: the object that its node's name states, otherwise the object
 // that the file contains, otherwise the ground that the node's name states. Null: unknown.
 const Concept* ownerOf(const Concept* node, const Concept* file) {
-  const bool isObjectOrGround = node != nullptr && node->kind != ConceptKind::Detail;
-  if (isObjectOrGround && node->kind == ConceptKind::Whole) return node;
-  if (file != nullptr && file->kind == ConceptKind::Whole) return file;
-  return isObjectOrGround ? node : nullptr;
+  for (const Concept* stated : {node, file}) {
+    if (stated != nullptr && stated->kind == ConceptKind::Whole) return stated;
+  }
+  return node != nullptr && node->kind != ConceptKind::Detail ? node : nullptr;
 }
 
 // Returns the concept of one part; see guessParts() for the rules.
@@ -321,12 +321,6 @@ void shareAxis(const std::vector<FrameGuess*>& files) {
   }
 }
 
-void guessUnitOfEach(const std::vector<FrameGuess*>& files) {
-  for (FrameGuess* f : files) {
-    if (hasUsualSize(f->object)) guessUnit(*f);
-  }
-}
-
 }  // namespace
 
 std::vector<CountedPart> partsOf(const Asset& asset) {
@@ -395,16 +389,13 @@ std::vector<const Concept*> Vocabulary::conceptsIn(std::string_view name) const 
   return scanmill::conceptsIn(concepts_, tellingPart(name));
 }
 
-const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset) {
-  if (statesClasses(words, asset)) return nullptr;
+FileConcept conceptOfFile(const Vocabulary& words, const Asset& asset) {
+  if (statesClasses(words, asset)) return {};
+  const std::vector<const Concept*> parts = guessParts(words, asset, nullptr);
   const Concept* const file = words.conceptOf(asset.file.stem().string());
-  const bool isObject = file != nullptr && file->kind == ConceptKind::Whole;
-  return isObject && isPlace(guessParts(words, asset, nullptr), file) ? nullptr : file;
-}
-
-const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset) {
-  if (statesClasses(words, asset) || words.conceptOf(asset.file.stem().string()) != nullptr) return nullptr;
-  return isPlace(guessParts(words, asset, nullptr)) ? nullptr : words.conceptOf(folderName(asset.file));
+  if (file != nullptr) return {file->kind == ConceptKind::Whole && isPlace(parts, file) ? nullptr : file};
+  const Concept* const folder = isPlace(parts) ? nullptr : words.conceptOf(folderName(asset.file));
+  return {folder, folder != nullptr};
 }
 
 std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file) {
@@ -425,7 +416,7 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
   guess.statedUnit = asset.statedUnit > 0;
   guess.severalObjects = isPlace(partConcepts);
   if (!guess.severalObjects) guess.object.shown = mainConcept(asset, partConcepts);
-  if (!asset.upDeclared) guessAxis(low, guess.extent, guess);
+  if (!asset.upDeclared) guessAxis(low, guess);
   if (guess.severalObjects) guess.object = objectNotInMetres(asset, partConcepts).value_or(guess.object);
   return guess;
 }
@@ -442,11 +433,13 @@ void guessUnitsTogether(const std::vector<FrameGuess*>& files) {
   }
   if (guessSharedUnit(withoutUnit, 2)) return;
   const std::vector<FrameGuess*> tiles = tilesOf(withoutUnit);
-  if (tiles.empty() || !guessSharedUnit(tiles, 1)) return guessUnitOfEach(withoutUnit);
-  std::vector<FrameGuess*> notTiles;
-  std::ranges::copy_if(withoutUnit, std::back_inserter(notTiles),
-                       [&](FrameGuess* f) { return std::ranges::find(tiles, f) == tiles.end(); });
-  if (!guessSharedUnit(notTiles, 2)) guessUnitOfEach(notTiles);
+  if (!tiles.empty() && guessSharedUnit(tiles, 1)) {
+    std::erase_if(withoutUnit, [&](FrameGuess* f) { return std::ranges::count(tiles, f) > 0; });
+    if (guessSharedUnit(withoutUnit, 2)) return;
+  }
+  for (FrameGuess* f : withoutUnit) {
+    if (hasUsualSize(f->object)) guessUnit(*f);
+  }
 }
 
 const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& file) {

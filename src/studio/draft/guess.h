@@ -62,15 +62,17 @@ std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& ass
 // "meshes", the name of the folder above.
 std::string folderName(const std::filesystem::path& file);
 
-// Returns the concept that the file's name states. Returns null if the name states no concept, if the file itself
-// states classes, as labelled point clouds do, or if the file contains a place: the names of its parts state other
-// objects, such as a house, trees, a car and a lawn in "house.obj".
-const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset);
+// The concept that the name of a file or of its folder states.
+struct FileConcept {
+  const Concept* shown = nullptr;  // null: none
+  bool byFolder = false;           // true: the name of the folder states `shown`
+};
 
-// Returns the concept that folderName() states. Returns null if that name states no concept, if the file's own name
-// states a concept, if the file itself states classes, or if the names of the parts state at least three kinds of
-// objects and grounds: such a folder may be named after the place whose models it contains.
-const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset);
+// Returns the concept that the file's name states or, if that name states none, the concept that folderName() states.
+// Returns none if the file itself states classes, as labelled point clouds do, or if it contains a place: the names of
+// its parts state other objects, such as a house, trees, a car and a lawn in "house.obj". The folder of such a file may
+// be named after the place.
+FileConcept conceptOfFile(const Vocabulary& words, const Asset& asset);
 
 // An object by whose size a unit is guessed.
 struct SizedObject {

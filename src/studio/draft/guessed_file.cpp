@@ -26,19 +26,18 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
   GuessedFile model;
   model.file = file;
   words.ignoreShared(asset);
-  const Concept* const byFileName = conceptOfFile(words, asset);
-  const Concept* const byFolderName = conceptOfFolder(words, asset);  // null if the file's name states a concept
-  model.fileConcept = byFileName == nullptr ? byFolderName : byFileName;
-  model.conceptByFolder = byFolderName != nullptr;
+  model.fileConcept = conceptOfFile(words, asset);
+  const Concept* const stated = model.fileConcept.shown;
   // No materials are drafted for points with intensities, nor for coloured points whose file or folder states a class.
   model.measured = std::ranges::any_of(asset.parts, [&](const AssetPart& part) {
-    return part.texture == kPointIntensity || (part.texture == kPointColor && model.fileConcept != nullptr);
+    return part.texture == kPointIntensity || (part.texture == kPointColor && stated != nullptr);
   });
   model.numbered = std::ranges::any_of(asset.parts, [](const AssetPart& part) {
     return !part.ownClass.empty() && part.ownClass.find_first_not_of("0123456789") == std::string::npos;
   });
-  const std::vector<const Concept*> guesses = guessParts(words, asset, model.fileConcept);
-  const std::vector<const Concept*> guessesWithoutFolder = guessParts(words, asset, byFileName);
+  const std::vector<const Concept*> guesses = guessParts(words, asset, stated);
+  const std::vector<const Concept*> guessesWithoutFolder =
+      guessParts(words, asset, model.fileConcept.byFolder ? nullptr : stated);
   const std::vector<CountedPart> parts = partsOf(asset);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& [part, copies] = parts[i];
@@ -93,7 +92,7 @@ std::vector<std::string> GuessedFile::doubts() const {
   if (numbered) doubts.emplace_back("labels without names");
   std::set<std::string> materials;
   for (const GuessedPart& p : parts) materials.insert(p.material + '\n' + p.texture);
-  const bool isGround = fileConcept != nullptr && fileConcept->kind == ConceptKind::Ground;
+  const bool isGround = fileConcept.shown != nullptr && fileConcept.shown->kind == ConceptKind::Ground;
   if (isGround && byFile() + byFolder() > 0 && materials.size() > 1)
     doubts.emplace_back("one class for several materials");
   if (mixed && byFile() > 0) doubts.emplace_back("one class for two in its name");

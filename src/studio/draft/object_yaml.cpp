@@ -141,10 +141,10 @@ class ClassWriter {
       writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second);
     }
     for (const auto& [key, patterns] : rules.single) writeAlternatives(kKeys[key.second], *key.first, patterns);
-    const Concept* const file = model_.fileConcept;
+    const Concept* const file = model_.fileConcept.shown;
     if (!rules.complete && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
       writeClassOfRest(*file, fmt::format("   # for all triangles without a rule: by the name of the {}",
-                                          model_.conceptByFolder ? "folder" : "file"));
+                                          model_.fileConcept.byFolder ? "folder" : "file"));
     }
     writeUnknown(rules.unknown);
     return yaml_;
@@ -162,7 +162,7 @@ class ClassWriter {
   // Returns rules for the parts whose concept differs from the file's.
   DraftedRules draftRules() const {
     DraftedRules rules;
-    const Concept* const file = model_.fileConcept;
+    const Concept* const file = model_.fileConcept.shown;
     for (const GuessedPart& part : model_.parts) {
       const bool needsNoRule = part.shows == file;  // writeClassOfRest() writes the class of the file
       if (part.shows == nullptr || (part.byFolder && needsNoRule)) {

@@ -106,14 +106,12 @@ double percentile(std::vector<double>& values, double rank) {
   return *nth;
 }
 
-// How numbers are mapped to colours. `title` and `power`: see Legend.
+// How numbers are mapped to colours.
 struct Scale {
-  std::string title;
-  double clipped = 0;  // fraction of the values that is cut off at each end that is not fixed
-  double power = 1;
+  Legend legend;                // `title`, `power` and `integers` alone
+  double clipped = 0;           // fraction of the values that is cut off at each end that is not fixed
   std::optional<double> low{};  // fixed ends of the scale; absent: the ends are computed from the values
   std::optional<double> high{};
-  bool integers = false;
 };
 
 constexpr double kClipped = 0.01;
@@ -138,27 +136,23 @@ ScaleRange endsOf(const Scan& scan, const Scale& scale, const auto& valueOf) {
 Coloring byNumber(const Scan& scan, const Scale& scale, const ColorContext& context, const auto& valueOf) {
   const ScaleRange ends = context.scale ? *context.scale : endsOf(scan, scale, valueOf);
   const double span = ends.high - ends.low;
-  Coloring out;
-  out.colors.resize(scan.size());
+  Coloring out{std::vector<Rgb>(scan.size()), scale.legend};
   std::atomic<std::uint64_t> unknown = 0;
   parallelFor(scan.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
     std::uint64_t unknownInRange = 0;
     for (std::size_t i = first; i < last; ++i) {
       const double value = valueOf(i);
       const double fraction = span > 0 ? std::clamp((value - ends.low) / span, 0.0, 1.0) : 0.5;
-      out.colors[i] = std::isfinite(value) ? viridis(std::pow(fraction, 1 / scale.power)) : kNoValue;
+      out.colors[i] = std::isfinite(value) ? viridis(std::pow(fraction, 1 / scale.legend.power)) : kNoValue;
       if (!std::isfinite(value) && isCounted(scan, context, i)) ++unknownInRange;
     }
     unknown += unknownInRange;
   });
-  out.legend = {.title = scale.title,
-                .scale = true,
-                .low = ends.low,
-                .high = ends.high,
-                .power = scale.power,
-                .integers = scale.integers,
-                .endsChosen = context.scale.has_value(),
-                .unknown = unknown};
+  out.legend.scale = true;
+  out.legend.low = ends.low;
+  out.legend.high = ends.high;
+  out.legend.endsChosen = context.scale.has_value();
+  out.legend.unknown = unknown;
   return out;
 }
 
@@ -168,10 +162,8 @@ double distanceOf(const Scan& scan, std::size_t point) {
 
 // Colours points by the errors of the context or, if it has none, by the difference from the column `range_true`.
 Coloring byError(const Scan& scan, const ColorContext& context) {
-  const Scale scale{.title = context.errorTitle.empty() ? "error (m)" : context.errorTitle,
-                    .clipped = kClipped,
-                    .power = 2,
-                    .low = 0.0};
+  const std::string title = context.errorTitle.empty() ? "error (m)" : context.errorTitle;
+  const Scale scale{.legend = {.title = title, .power = 2}, .clipped = kClipped, .low = 0.0};
   if (!context.error.empty()) {
     if (context.error.size() != scan.size()) {
       throw Error("{} errors for the {} points of a scan", context.error.size(), scan.size());
@@ -195,10 +187,10 @@ Coloring byColumn(const Scan& scan, const Column& column, const ColorContext& co
   const ColumnDisplay& display = column.display;
   if (display.colors == ColumnColors::Classes) return byClass(scan, context);
   if (display.colors == ColumnColors::Instances) return byInstance(scan, context);
-  Scale scale{.title = withUnit(ColorBy::titleOf(column), display.unit),
-              .clipped = display.scaleClipped,
-              .power = display.scalePower,
-              .integers = column.type != ColumnType::Float32};
+  Scale scale{.legend = {.title = withUnit(ColorBy::titleOf(column), display.unit),
+                         .power = display.scalePower,
+                         .integers = column.type != ColumnType::Float32},
+              .clipped = display.scaleClipped};
   if (display.scaleOfValidity) {
     scale.low = column.low * display.factor;
     scale.high = column.high * display.factor;
@@ -215,7 +207,7 @@ Coloring byColumn(const Scan& scan, const Column& column, const ColorContext& co
 Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorContext& context) {
   return std::visit(
       [&]<class T>(const std::vector<T>& values) {
-        const Scale scale{.title = column.name, .clipped = kClipped, .integers = std::is_integral_v<T>};
+        const Scale scale{.legend = {.title = column.name, .integers = std::is_integral_v<T>}, .clipped = kClipped};
         return byNumber(scan, scale, context, [&](std::size_t i) { return static_cast<double>(values[i]); });
       },
       column.values);
@@ -261,11 +253,11 @@ bool hasColor(const Scan& scan, const ColorBy& by, bool hasErrors) {
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context) {
   const ColorBy by = colorBy.value_or(defaultFor(scan));
   if (by == kByRange) {
-    const Scale scale{.title = "range (m)", .clipped = kClipped, .power = 2};
+    const Scale scale{.legend = {.title = "range (m)", .power = 2}, .clipped = kClipped};
     return byNumber(scan, scale, context, [&](std::size_t i) { return distanceOf(scan, i); });
   }
   if (by == kByHeight) {
-    const Scale scale{.title = "height above the sensor (m)", .clipped = kClipped};
+    const Scale scale{.legend = {.title = "height above the sensor (m)"}, .clipped = kClipped};
     return byNumber(scan, scale, context, [&](std::size_t i) { return scan.position[i].z; });
   }
   if (by == kByError) return byError(scan, context);

@@ -82,7 +82,10 @@ class PlaneMaker {
   std::vector<PassPlane> make() {
     const PassPlanes& p = image_.planes;
     const Ontology* const ontology = source_.ontology ? &*source_.ontology : nullptr;
-    addDistance();
+    const auto [low, high] = percentilesOf(p.depth);
+    const double scale = high > low ? 1 / std::log(high / low) : 0;
+    add(image_.ofSensor ? "range" : "depth", fmt::format("{:.2g} to {:.3g} m, by its logarithm", low, high),
+        [&, low = low](std::size_t i) { return viridis(std::log(std::max(double{p.depth[i]}, 1e-9) / low) * scale); });
     if (!p.normal.empty()) {
       const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * c)); };
       add("normal", "x red, y green, z blue", [&](std::size_t i) {
@@ -116,15 +119,6 @@ class PlaneMaker {
       if (image_.showsSurface(i)) plane.image.pixels[i] = colorOf(i);
     }
     planes_.push_back(std::move(plane));
-  }
-
-  // Adds the plane of depths or ranges, with a logarithmic scale.
-  void addDistance() {
-    const std::vector<float>& distance = image_.planes.depth;
-    const auto [low, high] = percentilesOf(distance);
-    const double scale = high > low ? 1 / std::log(high / low) : 0;
-    add(image_.ofSensor ? "range" : "depth", fmt::format("{:.2g} to {:.3g} m, by its logarithm", low, high),
-        [&, low = low](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / low) * scale); });
   }
 
   // Adds a plane of ids if there are any. Its legend lists named ids, the most frequent first; empty without `nameOf`.

@@ -20,8 +20,7 @@ AssetPart part(const std::string& node, const std::string& material = {}, const 
 std::vector<const Concept*> guesses(const Asset& asset) {
   Vocabulary words(concepts());
   words.ignoreShared(asset);
-  const Concept* const own = conceptOfFile(words, asset);
-  return guessParts(words, asset, own == nullptr ? conceptOfFolder(words, asset) : own);
+  return guessParts(words, asset, conceptOfFile(words, asset).shown);
 }
 
 std::string guessed(const std::string& file, const AssetPart& p) {

@@ -25,12 +25,6 @@
 
 namespace scanmill {
 
-// Thrown if a window cannot be opened because there is no display. The message says what to do.
-class NoDisplay : public Error {
- public:
-  using Error::Error;
-};
-
 constexpr std::size_t kCanvasViews = 4;  // maximum number of views at a time
 
 using ItemId = std::uint32_t;              // chosen by the caller
@@ -146,8 +140,8 @@ class Canvas {
   virtual void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) = 0;
 };
 
-// Opens a window on the display that the environment variable DISPLAY names. `width`, `height`: in pixels. Throws
-// NoDisplay if there is no display; throws Error if there is no OpenGL or the plug-in is missing.
+// Opens a window on the display that the environment variable DISPLAY names. `width`, `height`: in pixels. Throws Error
+// if there is no display or no OpenGL, or if the plug-in is missing; the message says what to do.
 std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height);
 // Creates a canvas without a window on the device namedDevice() (gpu/device.h). Throws Error without device or plug-in.
 std::unique_ptr<Canvas> openOffscreen(int width, int height);

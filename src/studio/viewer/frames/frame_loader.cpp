@@ -37,7 +37,9 @@ FrameLoader::~FrameLoader() {
 
 void FrameLoader::want(std::size_t frame, int step) {
   const std::lock_guard lock(mutex_);
-  request(frame, step);
+  requestedFrame_ = frame;
+  step_ = step;
+  requested_.notify_all();
 }
 
 std::shared_ptr<const ViewFrame> FrameLoader::frame(std::size_t frame) {
@@ -46,8 +48,8 @@ std::shared_ptr<const ViewFrame> FrameLoader::frame(std::size_t frame) {
 }
 
 std::shared_ptr<const ViewFrame> FrameLoader::wait(std::size_t frame) {
+  if (requestedFrame_ != frame) want(frame, 0);  // only want() changes `requestedFrame_`, on this thread
   std::unique_lock lock(mutex_);
-  if (requestedFrame_ != frame) request(frame, 0);
   loaded_.wait(lock, [&] { return find(frame) != nullptr; });
   return find(frame);
 }
@@ -77,15 +79,9 @@ std::string FrameLoader::busy() const {
   return {};
 }
 
-void FrameLoader::request(std::size_t frame, int step) {
-  requestedFrame_ = frame;
-  step_ = step;
-  requested_.notify_all();
-}
-
 std::shared_ptr<const ViewFrame> FrameLoader::find(std::size_t frame) const {
   const auto found = cached_.find(frame);
-  return found == cached_.end() ? nullptr : found->second.frame;
+  return found == cached_.end() ? nullptr : found->second;
 }
 
 // True if the loaded mesh shows the scene at the time in `scene`. If nothing in the scene moves, the time is ignored.
@@ -114,8 +110,8 @@ std::optional<std::size_t> FrameLoader::nextAhead() const {
     if (found == cached_.end()) {
       return cachedBytes + largestBytes <= cacheBytes_ / 2 ? std::optional(frame) : std::nullopt;
     }
-    cachedBytes += found->second.bytes;
-    largestBytes = std::max(largestBytes, found->second.bytes);
+    cachedBytes += frameBytes(*found->second);
+    largestBytes = std::max(largestBytes, frameBytes(*found->second));
   }
   return std::nullopt;
 }
@@ -123,16 +119,15 @@ std::optional<std::size_t> FrameLoader::nextAhead() const {
 // Caches the frame, then removes the frames farthest from the requested frame until the rest fit into `cacheBytes_`. If
 // the new frame is removed, stops reading ahead.
 void FrameLoader::cache(std::size_t frame, ViewFrame loaded) {
-  const std::uint64_t bytes = frameBytes(loaded);
-  cached_[frame] = {std::make_shared<const ViewFrame>(std::move(loaded)), bytes};
+  cached_[frame] = std::make_shared<const ViewFrame>(std::move(loaded));
   const auto distance = [&](const auto& entry) {
     return std::abs(static_cast<std::int64_t>(entry.first) - static_cast<std::int64_t>(*requestedFrame_));
   };
   std::uint64_t cachedBytes = 0;
-  for (const auto& entry : cached_) cachedBytes += entry.second.bytes;
+  for (const auto& entry : cached_) cachedBytes += frameBytes(*entry.second);
   while (cachedBytes > cacheBytes_ && cached_.size() > 1) {
     const auto farthest = std::ranges::max_element(cached_, {}, distance);
-    cachedBytes -= farthest->second.bytes;
+    cachedBytes -= frameBytes(*farthest->second);
     cached_.erase(farthest);
   }
   if (!cached_.contains(frame)) step_ = 0;
@@ -170,7 +165,7 @@ void FrameLoader::loadFrame(std::size_t frame, std::unique_lock<std::mutex>& loc
 void FrameLoader::loadMesh(std::unique_lock<std::mutex>& lock) {
   const SceneChoice scene = *requestedMesh_;
   lock.unlock();
-  auto loaded = std::make_shared<const ViewMesh>(loadViewMesh(scene.file, scene.seed, scene.time, scene.ontology));
+  auto loaded = std::make_shared<const ViewMesh>(loadViewMesh(scene));
   lock.lock();
   mesh_ = std::move(loaded);
   meshScene_ = scene;

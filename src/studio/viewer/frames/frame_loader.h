@@ -46,13 +46,7 @@ class FrameLoader {
   std::string busy() const;
 
  private:
-  struct CachedFrame {
-    std::shared_ptr<const ViewFrame> frame;
-    std::uint64_t bytes = 0;
-  };
-
   // The caller of these functions holds `mutex_`.
-  void request(std::size_t frame, int step);
   std::shared_ptr<const ViewFrame> find(std::size_t frame) const;
   bool meshShows(const SceneChoice& scene) const;
   bool meshMissing() const { return requestedMesh_ && !meshShows(*requestedMesh_); }
@@ -71,7 +65,7 @@ class FrameLoader {
   std::condition_variable loaded_;     // signals that a frame or mesh has been loaded
   bool stopping_ = false;
 
-  std::map<std::size_t, CachedFrame> cached_;  // the keys are indices of frames
+  std::map<std::size_t, std::shared_ptr<const ViewFrame>> cached_;  // the keys are indices of frames
   std::optional<std::size_t> requestedFrame_;
   int step_ = 0;  // direction in which frames are read ahead; 0: no frames are read ahead
 

@@ -327,14 +327,6 @@ bool StoredFrames::isShown(const ScanRecord& scan) const {
   return input_.sensor.empty() || isSameName(scan.sensor, input_.sensor);
 }
 
-// Returns the sensor pose of the sample's first shown scan whose pose is known; null if there is none.
-const Pose* StoredFrames::poseOf(const SampleRecord& sample) const {
-  for (const ScanRecord& scan : sample.scans) {
-    if (isShown(scan) && !scan.worldFromSensor.empty()) return &scan.worldFromSensor.front();
-  }
-  return nullptr;
-}
-
 std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
   const std::string& key = keys().at(frame);
   const std::string sequence = partsOfKey(key).sequence;
@@ -344,7 +336,9 @@ std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
   for (const SampleRecord* sample : found->second) {
     // If keys have no frame numbers, the order of samples is unknown: only the shown sample is used.
     if (sequence.empty() && sample->key != key) continue;
-    if (const Pose* pose = poseOf(*sample)) poses.push_back(*pose);
+    const auto scan = std::ranges::find_if(
+        sample->scans, [&](const ScanRecord& s) { return isShown(s) && !s.worldFromSensor.empty(); });
+    if (scan != sample->scans.end()) poses.push_back(scan->worldFromSensor.front());
   }
   return poses;
 }

@@ -49,7 +49,6 @@ class StoredFrames : public FrameSource {
   void addReferenceError(ViewScan& scan, const std::string& key) const;
   void nameScans(std::vector<Loading>& scans) const;
   bool isShown(const ScanRecord& scan) const;
-  const Pose* poseOf(const SampleRecord& sample) const;
   const ScanRecord* firstScan(const std::string& key) const;
   std::optional<Pose> vehiclePose(const std::string& key) const;
 

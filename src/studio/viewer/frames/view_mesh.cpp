@@ -258,7 +258,6 @@ double distanceToTriangle(std::span<const Vec3f, 3> corners, const Vec3d& origin
 
 ViewMesh makeViewMesh(const Scene& scene) {
   ViewMesh view;
-  view.name = scene.name;
   const std::uint64_t triangles = scene.placedTriangles();
   if (triangles > kMostViewTriangles) {
     view.problem = fmt::format(
@@ -279,14 +278,13 @@ ViewMesh makeViewMesh(const Scene& scene) {
   return view;
 }
 
-ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time,
-                      const std::filesystem::path& ontology) {
+ViewMesh loadViewMesh(const SceneChoice& choice) {
   try {
-    Scene scene = readScene(file, {.seed = seed, .ontology = ontology, .textures = false});
+    Scene scene = readScene(choice.file, {.seed = choice.seed, .ontology = choice.ontology, .textures = false});
     const bool moves = scene.moves();
     if (moves) {
-      removeDistantMovers(scene, time);
-      standStill(scene, time);
+      removeDistantMovers(scene, choice.time);
+      standStill(scene, choice.time);
     }
     ViewMesh view = makeViewMesh(scene);
     view.moves = moves;
@@ -294,7 +292,6 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
     return view;
   } catch (const std::exception& e) {
     ViewMesh failed;
-    failed.name = file.stem().string();
     failed.problem = reasonOf(e);
     return failed;
   }

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "base/vec.h"
 #include "scene/ontology.h"
 #include "scene/scene.h"
+#include "viewer/frames/frame_source.h"
 
 namespace scanmill {
 
@@ -22,8 +22,7 @@ struct ViewSurface {
 };
 
 struct ViewMesh {
-  std::string name;
-  // Why there is no mesh (scene unreadable or too large); all other members except `name` are then empty.
+  // Why there is no mesh (scene unreadable or too large); all other members are then empty.
   std::string problem;
   Vec3d origin;                         // origin of all coordinates of this mesh, in the world frame (m)
   std::vector<Vec3f> corners;           // three per triangle, relative to `origin`, along the world's axes (m)
@@ -59,11 +58,9 @@ constexpr std::uint64_t kMostViewTriangles = 30'000'000;
 // more than kMostViewTriangles triangles, returns a mesh without triangles whose `problem` states this.
 ViewMesh makeViewMesh(const Scene& scene);
 
-// Reads a scene without its textures and builds its mesh. Moving objects are at their positions at `time` (s
-// since the drive began). `ontology`: file that replaces the scene's ontology; empty: none. If the scene cannot be
-// read, does not throw but sets `problem`.
-ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time = 0,
-                      const std::filesystem::path& ontology = {});
+// Reads a scene without its textures and builds its mesh. If the scene cannot be read, does not throw but sets
+// `problem`.
+ViewMesh loadViewMesh(const SceneChoice& choice);
 
 struct MeshHit {
   std::size_t triangle = 0;

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include "base/short_text.h"
 #include "viewer/panels/panel_rects.h"
@@ -40,12 +41,9 @@ ImVec2 sizeOf(const std::string& text) {
   return ImGui::CalcTextSize(text.data(), text.data() + text.size());
 }
 
-ImVec2 topLeft(const PixelRect& rect) {
-  return {static_cast<float>(rect.left), static_cast<float>(rect.top)};
-}
-
-ImVec2 sizeOf(const PixelRect& rect) {
-  return {static_cast<float>(rect.width), static_cast<float>(rect.height)};
+ImRect rectOf(const PixelRect& rect) {
+  const auto left = static_cast<float>(rect.left), top = static_cast<float>(rect.top);
+  return {left, top, left + static_cast<float>(rect.width), top + static_cast<float>(rect.height)};
 }
 
 // Adds a text to a list of drawings. `position`: upper left corner of the text (pixels of the canvas).
@@ -107,10 +105,11 @@ struct LegendRow {
   } look = Look::Shown;
 };
 
-// Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. `width`: width of
-// the row (pixels). Returns true if the user has clicked the row.
-bool drawLegendRow(int id, const LegendRow& row, bool clickable, float width) {
+// Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. Returns true if
+// the user has clicked the row.
+bool drawLegendRow(int id, const LegendRow& row, bool clickable) {
   using Look = LegendRow::Look;
+  const float width = ImGui::GetContentRegionAvail().x;
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   const ImVec2 end{corner.x + width, corner.y + lineHeight() + 2};  // lower right corner
   ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -148,8 +147,8 @@ bool drawLegendRow(int id, const LegendRow& row, bool clickable, float width) {
 
 void panelAt(const char* name, const PixelRect& rect, PanelUse use, const std::function<void()>& body) {
   if (rect.width < 1 || rect.height < 1) return;
-  ImGui::SetNextWindowPos(topLeft(rect));
-  ImGui::SetNextWindowSize(sizeOf(rect));
+  ImGui::SetNextWindowPos(rectOf(rect).Min);
+  ImGui::SetNextWindowSize(rectOf(rect).GetSize());
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
@@ -190,47 +189,38 @@ void section(const std::string& title, PanelUse use, const std::function<void()>
 void drawLabels(const std::vector<PanelLabel>& labels) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float margin = lineHeight() * 0.5F;
-  struct TextArea {
-    ImVec2 corner, end;  // upper left and lower right
-  };
-  std::vector<TextArea> drawn;
+  std::vector<ImRect> drawn;  // areas of the texts so far
   for (const PanelLabel& label : labels) {
     const ImVec2 center{static_cast<float>(label.x), static_cast<float>(label.y)};
-    const ImVec2 viewCorner = topLeft(label.within), viewSize = sizeOf(label.within);
+    const ImRect view = rectOf(label.within);
     if (label.mark) addRing(list, center, 0.45F);
     if (label.text.empty()) continue;
-    const std::string text = fitted(label.text, viewSize.x - 2 * margin);
+    const std::string text = fitted(label.text, view.GetWidth() - 2 * margin);
     const ImVec2 size = sizeOf(text);
     // If the text would extend beyond the view, draw it on the other side of the mark.
     float x = center.x + 2 * margin;
-    if (x + size.x + margin > viewCorner.x + viewSize.x) {
-      x = std::max(center.x - 2 * margin - size.x, viewCorner.x + margin);
-    }
+    if (x + size.x + margin > view.Max.x) x = std::max(center.x - 2 * margin - size.x, view.Min.x + margin);
     float y = center.y - margin - size.y;
-    if (y < viewCorner.y + margin) y = center.y + 2 * margin;
-    const TextArea area{{x - 3, y - 1}, {x + size.x + 3, y + size.y + 1}};
-    const auto overlaps = [&](const TextArea& other) {
-      return area.corner.x < other.end.x && other.corner.x < area.end.x && area.corner.y < other.end.y &&
-             other.corner.y < area.end.y;
-    };
+    if (y < view.Min.y + margin) y = center.y + 2 * margin;
+    const ImRect area(x - 3, y - 1, x + size.x + 3, y + size.y + 1);
+    const auto overlaps = [&](const ImRect& other) { return area.Overlaps(other); };
     if (label.optional && std::ranges::any_of(drawn, overlaps)) continue;
     drawn.push_back(area);
-    list.AddRectFilled(area.corner, area.end, packed(kBackground, 200), 3);
+    list.AddRectFilled(area.Min, area.Max, packed(kBackground, 200), 3);
     addText(list, {std::floor(x), std::floor(y)}, packed({255, 255, 255}), text);
   }
 }
 
 void drawCaption(const PixelRect& view, const std::string& text, bool active) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const ImVec2 viewCorner = topLeft(view), viewSize = sizeOf(view);
+  const ImRect area = rectOf(view);
   const float inset = lineHeight() * 0.5F;
   if (active) {
-    list.AddRect(viewCorner, {viewCorner.x + viewSize.x, viewCorner.y + viewSize.y},
-                 ImGui::GetColorU32(ImGuiCol_CheckMark), 0, 0, std::max(lineHeight() / 8, 2.0F));
+    list.AddRect(area.Min, area.Max, ImGui::GetColorU32(ImGuiCol_CheckMark), 0, 0, std::max(lineHeight() / 8, 2.0F));
   }
-  if (text.empty() || viewSize.y < 3 * lineHeight()) return;
-  const std::string caption = fitted(text, viewSize.x - 4 * inset);
-  const ImVec2 corner{viewCorner.x + inset, viewCorner.y + inset};
+  if (text.empty() || area.GetHeight() < 3 * lineHeight()) return;
+  const std::string caption = fitted(text, area.GetWidth() - 4 * inset);
+  const ImVec2 corner{area.Min.x + inset, area.Min.y + inset};
   const ImVec2 size = sizeOf(caption);
   list.AddRectFilled(corner, {corner.x + size.x + 2 * inset, corner.y + size.y + inset},
                      ImGui::GetColorU32(ImGuiCol_WindowBg), 4);
@@ -240,13 +230,13 @@ void drawCaption(const PixelRect& view, const std::string& text, bool active) {
 void drawMessage(const PixelRect& view, const std::string& text) {
   constexpr float kLarge = 1.5F;  // size of the letters in heights of a line
   const float size = lineHeight() * kLarge;
-  const ImVec2 viewCorner = topLeft(view), viewSize = sizeOf(view);
-  const float maxWidth = std::min(viewSize.x - 4 * size, 40 * size);
+  const ImRect area = rectOf(view);
+  const float maxWidth = std::min(area.GetWidth() - 4 * size, 40 * size);
   if (text.empty() || maxWidth < size) return;
   const char* const textEnd = text.data() + text.size();
   const ImVec2 extent = ImGui::GetFont()->CalcTextSizeA(size, maxWidth, maxWidth, text.data(), textEnd);
-  const ImVec2 corner{std::floor(viewCorner.x + (viewSize.x - extent.x) / 2),
-                      std::floor(viewCorner.y + (viewSize.y - extent.y) / 2)};
+  const ImVec2 corner{std::floor(area.Min.x + (area.GetWidth() - extent.x) / 2),
+                      std::floor(area.Min.y + (area.GetHeight() - extent.y) / 2)};
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled({corner.x - size, corner.y - size / 2},
                      {corner.x + extent.x + size, corner.y + extent.y + size / 2},
@@ -263,14 +253,13 @@ LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden
   for (const LegendEntry& entry : legend.entries) points += entry.points;
   const auto isAbsent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
   const auto countText = [&](std::uint64_t count) { return points > 0 ? grouped(count) : std::string(); };
-  const float width = ImGui::GetContentRegionAvail().x;
   if (clickable && use == PanelUse::Interactive && entries > 1) {
     const auto hiddenEntries = static_cast<std::size_t>(std::ranges::count(hidden, true));
     const Look look = hiddenEntries == 0 ? Look::Shown : hiddenEntries < entries ? Look::Partly : Look::Hidden;
     const ImVec4 color = ImGui::GetStyleColorVec4(ImGuiCol_Text);
     const auto byte = [](float channel) { return static_cast<std::uint8_t>(std::lround(channel * 255)); };
     const LegendRow row{"all", countText(points), {byte(color.x), byte(color.y), byte(color.z)}, look};
-    click.allEntries = drawLegendRow(-1, row, true, width);
+    click.allEntries = drawLegendRow(-1, row, true);
   }
   // A picture shows only the entries that have points, and only as many as fit into the panel.
   std::size_t undrawn = entries, lines = entries;
@@ -287,7 +276,7 @@ LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden
     --undrawn;
     const Look look = isHidden(i) ? Look::Hidden : isAbsent(entry) ? Look::Absent : Look::Shown;
     const LegendRow row{entry.name, countText(entry.points), entry.color, look};
-    if (drawLegendRow(static_cast<int>(i), row, clickable, width)) click.entry = i;
+    if (drawLegendRow(static_cast<int>(i), row, clickable)) click.entry = i;
   }
   if (undrawn > 0) dimText(fmt::format("+ {} more", undrawn));
   return click;
@@ -320,7 +309,7 @@ std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use) {
   }
   ImGui::Dummy({1, barHeight + lineHeight() + 4});
   if (legend.unknown > 0) {
-    drawLegendRow(-2, {"no value", grouped(legend.unknown), kNoValue}, false, width);
+    drawLegendRow(-2, {"no value", grouped(legend.unknown), kNoValue}, false);
     if (!legend.whyUnknown.empty()) drawWrapped(dimText, legend.whyUnknown);
   }
   if (use == PanelUse::Picture) return {};
@@ -416,8 +405,8 @@ bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair
   const ImVec2 corner = ImGui::GetWindowPos();
   const ImVec2 size = ImGui::GetWindowSize();
   ImGui::PushClipRect(corner, {corner.x + size.x, corner.y + size.y}, false);  // clips the image at the panel's edge
-  ImGui::SetCursorScreenPos(topLeft(rect));
-  ImGui::Image(textureOf(image), sizeOf(rect));
+  ImGui::SetCursorScreenPos(rectOf(rect).Min);
+  ImGui::Image(textureOf(image), rectOf(rect).GetSize());
   const bool isHovered = ImGui::IsItemHovered();
   if (mark) {
     addRing(*ImGui::GetWindowDrawList(), {static_cast<float>(mark->first), static_cast<float>(mark->second)}, 0.4F);
@@ -429,15 +418,16 @@ bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair
 bool drawMessages(const PixelRect& within, const std::vector<std::string>& problems,
                   const std::vector<std::string>& notices) {
   const float margin = lineHeight() * 0.5F;
-  const float maxWidth = std::min(static_cast<float>(within.width) - 2 * margin, lineHeight() * 36);
-  float bottom = static_cast<float>(within.top + within.height) - margin;  // y of the lower edge of the next box
+  const ImRect area = rectOf(within);
+  const float maxWidth = std::min(area.GetWidth() - 2 * margin, lineHeight() * 36);
+  float bottom = area.Max.y - margin;  // y of the lower edge of the next box
   if (maxWidth < lineHeight()) return false;
   // Draws a box of texts above `bottom`, and moves `bottom` up. Returns true if a box of problems was clicked.
   const auto drawBox = [&](const char* name, const std::vector<std::string>& texts, bool areProblems) {
     constexpr std::size_t kMost = 6;
     if (texts.empty()) return false;
-    ImGui::SetNextWindowPos({static_cast<float>(within.left) + margin, bottom}, ImGuiCond_Always, {0, 1});
-    ImGui::SetNextWindowSizeConstraints({1, 1}, {maxWidth, static_cast<float>(within.height) * 0.6F});
+    ImGui::SetNextWindowPos({area.Min.x + margin, bottom}, ImGuiCond_Always, {0, 1});
+    ImGui::SetNextWindowSizeConstraints({1, 1}, {maxWidth, area.GetHeight() * 0.6F});
     if (areProblems) ImGui::PushStyleColor(ImGuiCol_Border, packed(kAlarm));
     ImGui::Begin(name, nullptr, kMessage | (areProblems ? 0 : ImGuiWindowFlags_NoInputs));
     ImGui::PushTextWrapPos(maxWidth - 2 * margin);

@@ -27,7 +27,7 @@ std::string& firstError() {
   return text;
 }
 
-// Connects to the X server. Throws NoDisplay if this fails.
+// Connects to the X server. Throws Error if this fails.
 void connectToDisplay() {
   firstError().clear();
   glfwSetErrorCallback([](int /*code*/, const char* text) {
@@ -42,12 +42,13 @@ void connectToDisplay() {
   const char* const display = std::getenv("DISPLAY");
   constexpr std::string_view kInstead = "or take a picture without one: --screenshot FILE.png";
   if (display == nullptr || *display == '\0') {
-    throw NoDisplay(fmt::format("there is no display for a window: DISPLAY is not set; set it, {}", kInstead));
+    throw Error("there is no display for a window: DISPLAY is not set; set it, {}", kInstead);
   }
-  throw NoDisplay(
-      fmt::format("there is no display for a window: the X server {} (DISPLAY) does not answer or lets nobody in ({}); "
-                  "set DISPLAY, {}",
-                  display, firstError(), kInstead));
+  throw Error(
+      "there is no display for a window: the X server {} (DISPLAY) does not answer or lets nobody in ({}); set "
+      "DISPLAY, "
+      "{}",
+      display, firstError(), kInstead);
 }
 
 // Creates an invisible window with OpenGL 4.5, else 4.3, else 3.2. Throws NoDevice if the display has none of these.

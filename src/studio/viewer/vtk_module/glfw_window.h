@@ -15,7 +15,7 @@ namespace scanmill {
 // the connection to the X server is lost, the program ends with a message and exit code 1, since Xlib cannot continue.
 class GlfwWindow {
  public:
-  // Creates the window, and makes its context current. Throws NoDisplay without a display, NoDevice without OpenGL.
+  // Creates the window, and makes its context current. Throws Error without a display, NoDevice without OpenGL.
   GlfwWindow(const std::string& title, int width, int height);
   ~GlfwWindow();
   GlfwWindow& operator=(GlfwWindow&&) = delete;  // neither copied nor moved

@@ -23,10 +23,10 @@ decltype(auto) withCanvasErrors(const auto& work) {
     return work();
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const NoDisplay&) {
-    throw;
   } catch (const NoDevice& e) {
     throw Error("nothing can be shown, there is no OpenGL that will do ({}): {}", e.what(), kInstallOpenGl);
+  } catch (const Error&) {  // there is no display
+    throw;
   } catch (const std::exception& e) {
     throw Error("the viewer's canvas: {}", e.what());
   }

@@ -133,10 +133,8 @@ void OrbitCamera::orbit(double right, double down, int height) {
 
 void OrbitCamera::pan(double right, double down, int width, int height) {
   const double metresPerPixel = distance / (focal * std::max(sideOf(width, height), 1.0));
-  const Vec3d forward = forwardOf(yaw, pitch);
-  const Vec3d rightward = rightOf(yaw);
-  const Vec3d downward = cross(forward, rightward);
-  target = limitedTarget(target - rightward * (right * metresPerPixel) - downward * (down * metresPerPixel));
+  const ViewCamera view = camera(width, height);
+  target = limitedTarget(target - view.right * (right * metresPerPixel) - view.down * (down * metresPerPixel));
 }
 
 void OrbitCamera::zoom(double steps) {

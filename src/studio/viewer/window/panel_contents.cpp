@@ -139,20 +139,18 @@ std::string PanelContents::title() const {
   const std::size_t frames = context_.source->keys().size();
   std::string text = context_.source->title();
   if (context_.options.still && frames > 1) text += ", " + context_.source->keys()[playback_.requested()];
-  if (context_.frame && context_.options.layout == ViewLayout::One && context_.frame->scans.size() > 1) {
-    text += ": " + context_.frame->scans[clouds_.shownScan()].name;
-  } else if (context_.frame && context_.frame->scans.size() == 1 && !context_.frame->scans.front().name.empty() &&
-             frames > 1) {
-    text += ": " + context_.frame->scans.front().name;
-  }
-  return text;
+  if (context_.scanCount() == 0) return text;
+  const std::string& name = context_.frame->scans[clouds_.shownScan()].name;
+  const bool hasName =
+      context_.scanCount() > 1 ? context_.options.layout == ViewLayout::One : frames > 1 && !name.empty();
+  return hasName ? text + ": " + name : text;
 }
 
 std::string PanelContents::summary() const {
   if (!context_.frame) return {};
   std::uint64_t visible = 0, finite = 0;
   for (const ShownCloud& cloud : clouds_.list) {
-    if (context_.options.layout == ViewLayout::Split && context_.frame->scans.size() == 1 && cloud.view > 0) continue;
+    if (context_.options.layout == ViewLayout::Split && context_.scanCount() == 1 && cloud.view > 0) continue;
     visible += cloud.visible;
     finite += cloud.finite;
   }

@@ -72,13 +72,9 @@ void Pointer::moveTo(const CanvasEvent& event) {
   drag.x = event.x;
   drag.y = event.y;
   const PixelRect& rect = context_.redraw.views()[viewAt(drag.downX, drag.downY).value_or(0)].rect;
-  OrbitCamera turned = sceneView_.camera;
-  if (drag.pan) {
-    turned.pan(right, down, rect.width, rect.height);
-  } else {
-    turned.orbit(right, down, rect.height);
-  }
-  sceneView_.setCamera(turned);
+  sceneView_.changeCamera([&](OrbitCamera& camera) {
+    drag.pan ? camera.pan(right, down, rect.width, rect.height) : camera.orbit(right, down, rect.height);
+  });
 }
 
 void Pointer::release(const CanvasEvent& event) {
@@ -88,12 +84,12 @@ void Pointer::release(const CanvasEvent& event) {
   x = event.x;
   y = event.y;
   context_.changes.hover = true;
-  if (isClick) click(event.x, event.y);
+  if (isClick) click();
 }
 
-// Selects the point or triangle at the pixel or, while measuring, adds its position to `ends`.
-void Pointer::click(int px, int py) {
-  auto picked = pick(px, py);
+// Selects the point or triangle under the pointer or, while measuring, adds its position to `ends`.
+void Pointer::click() {
+  auto picked = pick(x, y);
   context_.changes.panels = true;
   if (!measuring) {
     pinned.reset();
@@ -122,9 +118,7 @@ void Pointer::turnAbout() {
 }
 
 void Pointer::lookAt(const Vec3d& position) {
-  OrbitCamera turned = sceneView_.camera;
-  turned.lookAt(position);
-  sceneView_.setCamera(turned);
+  sceneView_.changeCamera([&](OrbitCamera& camera) { camera.lookAt(position); });
 }
 
 void Pointer::placeMeasure() {
@@ -186,29 +180,27 @@ std::optional<PickedElement> Pointer::pick(int px, int py) const {
   const CanvasView& view = context_.redraw.views()[*viewIndex];
   const double right = px - view.rect.left + 0.5;  // position of the pixel's middle in the view
   const double down = py - view.rect.top + 0.5;
-  std::vector<PickCloud> candidates;
-  std::vector<std::size_t> cloudIndices;  // index of each candidate in the list of clouds
-  for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
+  std::vector<PickCloud> candidates(clouds_.list.size());  // without points for clouds in other views
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
     const ShownCloud& cloud = clouds_.list[k];
-    if (cloud.view != *viewIndex) continue;
-    candidates.push_back({clouds_.scanOf(cloud).drawnPositions(), cloud.shown, cloud.canvasFromScan});
-    cloudIndices.push_back(k);
+    if (cloud.view == *viewIndex)
+      candidates[k] = {clouds_.scanOf(cloud).drawnPositions(), cloud.shown, cloud.canvasFromScan};
   }
   if (const auto hit = pickPoint(candidates, view.camera, right, down, sceneView_.pointSize(), kReach)) {
-    return pickedPoint(cloudIndices[hit->cloud], hit->point);
+    return pickedPoint(hit->cloud, hit->point);
   }
   return sceneView_.pickMesh(sightLine(view.camera, right, down));
 }
 
-std::optional<PickedElement> Pointer::pickStrip(const PixelRect& rect, int px, int py) const {
-  if (!clouds_.strip || !rect.contains(px, py)) return {};
+std::optional<PickedElement> Pointer::pickStrip(const PixelRect& rect) const {
+  if (!clouds_.strip || !rect.contains(x, y)) return {};
   // Returns the row or column of the image that is `offset` pixels from the edge of the rectangle.
   const auto imagePixel = [](int offset, int imagePixels, int rectPixels) {
     return static_cast<std::size_t>(static_cast<std::int64_t>(offset) * imagePixels / rectPixels);
   };
   const Image& image = clouds_.strip->image;
-  const std::size_t row = imagePixel(py - rect.top, image.height, rect.height);
-  const std::size_t column = imagePixel(px - rect.left, image.width, rect.width);
+  const std::size_t row = imagePixel(y - rect.top, image.height, rect.height);
+  const std::size_t column = imagePixel(x - rect.left, image.width, rect.width);
   const std::uint32_t point = clouds_.strip->pointAt[row * static_cast<std::size_t>(image.width) + column];
   if (point == kNoPoint) return {};
   return pickedPoint(clouds_.stripCloud, point);
@@ -219,7 +211,7 @@ void Pointer::updateHover(bool isOverPanel, const std::optional<PixelRect>& stri
   std::optional<PickedElement> picked;
   if (drag.button == 0 && x >= 0) {
     if (strip) {
-      picked = pickStrip(*strip, x, y);
+      picked = pickStrip(*strip);
     } else if (!isOverPanel) {
       picked = pick(x, y);
     }
@@ -260,7 +252,8 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
   const InstanceRef key{cloud.scan, instance};
   if (!lastSummary_ || !(lastSummary_->first == key)) {
     const ViewScan& viewed = clouds_.scanOf(cloud);
-    lastSummary_.emplace(key, summarizeInstance(viewed.scan, viewed.drawnPositions(), instance, cloud.canvasFromScan));
+    auto found = summarizeInstances(viewed.scan, viewed.drawnPositions(), cloud.canvasFromScan, instance);
+    lastSummary_.emplace(key, found.empty() ? InstanceSummary{} : std::move(found.front()));
   }
   return lastSummary_->second;
 }

@@ -55,8 +55,8 @@ struct Pointer {
 
   // Returns the point or triangle at a pixel of the canvas; nothing if there is none.
   std::optional<PickedElement> pick(int px, int py) const;
-  // Returns the point of the range image, drawn in `rect`, at a pixel of the canvas; nothing if there is none.
-  std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;
+  // Returns the point of the range image, drawn in `rect`, that is under the pointer; nothing if there is none.
+  std::optional<PickedElement> pickStrip(const PixelRect& rect) const;
   // Describes a point. `cloudIndex`: index of its cloud in ShownClouds::list.
   PickedElement pickedPoint(std::size_t cloudIndex, std::size_t point) const;
   // Returns `picked`; with several shown scans, adds the name of its scan and the other scans' points of the same beam.
@@ -84,7 +84,7 @@ struct Pointer {
 
  private:
   std::optional<std::size_t> viewAt(int px, int py) const;
-  void click(int px, int py);
+  void click();
   const InstanceSummary& summaryOf(const ShownCloud& cloud, std::uint32_t instance) const;
   void setOutlinePoints(const ShownCloud& cloud);
   void placeOutline(const ShownCloud& cloud);

@@ -116,9 +116,7 @@ std::optional<Affine> SceneView::toggleWorld() {
   staysInWorld = !staysInWorld;
   computeCanvasFrame();
   const Affine newFromOld = canvasFromWorld * inverse(before);
-  OrbitCamera moved = camera;
-  moved.moveBy(newFromOld);
-  setCamera(moved);
+  changeCamera([&](OrbitCamera& moved) { moved.moveBy(newFromOld); });
   placeClouds();
   placeGuides();
   placeMeshLook();

@@ -26,6 +26,9 @@ enum class MeshColor { Class, Instance, Object, Material, Texture, Rule, Reflect
 constexpr std::array<std::string_view, 7> kMeshColorNames{"class",   "instance", "object",     "material",
                                                           "texture", "rule",     "reflectance"};
 
+// Returns why a scene cannot be coloured by a quantity; empty if it can be.
+std::string whyNoMeshColor(const ColorBy& by);
+
 // Returns one colour per triangle. The legend counts triangles.
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by);
 
@@ -60,6 +63,12 @@ struct SceneView {
   // Returns the camera as a value of --camera.
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
+  // Calls change(copy) with a copy of the camera, and sets the camera to the changed copy.
+  void changeCamera(const auto& change) {
+    OrbitCamera changed = camera;
+    change(changed);
+    setCamera(changed);
+  }
 
   // Functions for the scene's mesh, most of them in scene_view_mesh.cpp:
   bool isMeshOn() const { return context_.options.mesh || context_.source->isScene(); }

@@ -1,6 +1,7 @@
 // Shows the scene's mesh: look, colours, visible triangles, and the triangle at a pixel.
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/short_text.h"
 #include "config/resources.h"
@@ -66,7 +67,7 @@ void SceneView::placeVehicle() {
   Canvas& canvas = context_.canvas;
   const bool isPoseKnown = context_.frame && context_.frame->worldFromVehicle && worldFromAnchor;
   const auto file = isPoseKnown && context_.options.axes ? context_.source->vehicle() : std::nullopt;
-  if (file && !vehicle_) vehicle_ = loadViewMesh(*file, 1);
+  if (file && !vehicle_) vehicle_ = loadViewMesh({.file = *file});
   const bool places = file && vehicle_->size() > 0;
   if (places && !vehiclePlaced_) {
     canvas.set(kVehicleItem, ItemKind::Triangles, vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
@@ -253,6 +254,11 @@ const std::vector<InstanceSummary>& SceneView::instances() {
     summarized_ = frameAndScan;
   }
   return instances_;
+}
+
+std::string whyNoMeshColor(const ColorBy& by) {
+  if (std::ranges::find(kMeshColorNames, by.name()) != kMeshColorNames.end()) return {};
+  return fmt::format("a scene has no {}: it is coloured by {}", by.name(), fmt::join(kMeshColorNames, ", "));
 }
 
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {

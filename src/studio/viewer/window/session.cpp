@@ -9,12 +9,6 @@ namespace scanmill {
 
 namespace {
 
-// Returns the source. Throws InputError if it has no frame.
-std::shared_ptr<const FrameSource> withFrames(std::shared_ptr<const FrameSource> source) {
-  if (source->keys().empty()) throw InputError(fmt::format("{}: holds no sample", source->title()));
-  return source;
-}
-
 // Throws InputError if no point of the frame's scans is in the close-up. The message states the nearest point.
 void requirePoints(const ViewFrame& frame, const CloseUp& closeUp) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -42,7 +36,7 @@ void requirePoints(const ViewFrame& frame, const CloseUp& closeUp) {
 
 ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options,
                          std::unique_ptr<FrameLoader> loader)
-    : context_(withFrames(std::move(source)), canvas, options),
+    : context_(std::move(source), canvas, options),
       playback_(context_.source, loader ? std::move(loader) : std::make_unique<FrameLoader>(context_.source),
                 options.sample),
       clouds_(context_),
@@ -51,7 +45,7 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
       panels_(context_, playback_, clouds_, sceneView_, pointer_) {
   if (context_.source->isScene() && !options.colors.empty()) {
     const ColorBy& by = options.colors.front();
-    if (const std::string why = whyNotInScene(by); !why.empty()) {
+    if (const std::string why = whyNoMeshColor(by); !why.empty()) {
       throw InputError(fmt::format("{}: {}", context_.source->title(), why));
     }
     chooseColor(by);

@@ -41,12 +41,14 @@ class ViewSession {
   std::vector<std::string> problems() const;
   // Returns hints for the user, each of which is shown once.
   const std::vector<std::string>& hints() const { return context_.hints; }
+  // Returns all commands, in the order of the menus.
+  static const std::vector<ViewCommand>& commands();
 
  private:
   // Functions in session_events.cpp:
   void handleButtonOrWheel(const CanvasEvent& event);
   void tick();
-  void execute(const KeyMeaning& meaning);
+  void execute(const ViewCommand& command);
   void escape();
   void resizePoints(int pixels);
   void toggleProjection();
@@ -61,10 +63,9 @@ class ViewSession {
   void cycleColor(int step);
   void toggleWorld();
   void toggleInstanceAlone();
+  void showAll();
+  void toggleHelp();
   void savePicture();
-  // Return why a key or quantity cannot be used for a scene; empty if it can be used.
-  std::string whyNotInScene(const KeyMeaning& meaning) const;
-  std::string whyNotInScene(const ColorBy& by) const;
 
   // Functions in session.cpp, which request, load and show frames and scenes, and draw the picture:
   void goTo(std::size_t frame, int step);
@@ -85,7 +86,6 @@ class ViewSession {
   void drawPanels();
   void drawMenus();
   PanelUse panelUse() const { return context_.options.still ? PanelUse::Picture : PanelUse::Interactive; }
-  bool isOn(const KeyMeaning& meaning) const;
   void drawSidePanel();
   void drawMessagesOfSession();
   void drawColorMenu();

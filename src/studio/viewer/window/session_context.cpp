@@ -12,7 +12,8 @@ namespace scanmill {
 
 void SessionContext::notify(const std::string& text, double seconds) {
   // A notice that a key causes replaces older notices of the same key.
-  std::erase_if(notices, [&](const ViewNotice& n) { return n.text == text || (executing && n.cause == executing); });
+  std::erase_if(notices,
+                [&](const ViewNotice& n) { return n.text == text || (executing != nullptr && n.cause == executing); });
   notices.push_back({text, redraw.now() + seconds, executing});
   changes.panels = true;
 }
@@ -61,7 +62,7 @@ std::string ClassFilter::text(const Ontology* ontology) const {
 
 namespace {
 
-// Returns an instance's summary. `points`: indices of its points. Other parameters: see summarizeInstance().
+// Returns an instance's summary. `points`: indices of its points. Other parameters: see summarizeInstances().
 InstanceSummary summaryOf(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
                           std::vector<std::uint32_t> points, const Affine& levelFromPoints) {
   InstanceSummary summary;
@@ -89,21 +90,13 @@ InstanceSummary summaryOf(const Scan& scan, std::span<const Vec3f> positions, st
 
 }  // namespace
 
-InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
-                                  const Affine& levelFromPoints) {
-  std::vector<std::uint32_t> points;
-  for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] == instance && isFinite(positions[i])) points.push_back(static_cast<std::uint32_t>(i));
-  }
-  return summaryOf(scan, positions, instance, std::move(points), levelFromPoints);
-}
-
 std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> positions,
-                                                const Affine& levelFromPoints) {
+                                                const Affine& levelFromPoints, std::optional<std::uint32_t> only) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> pointsOf;  // the keys are instance ids
   for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
     const std::uint32_t id = scan[kInstance][i];
-    if (id != 0 && isFinite(positions[i])) pointsOf[id].push_back(static_cast<std::uint32_t>(i));
+    if (id != 0 && (!only || id == *only) && isFinite(positions[i]))
+      pointsOf[id].push_back(static_cast<std::uint32_t>(i));
   }
   std::vector<InstanceSummary> summaries;
   for (auto& [id, points] : pointsOf) {

@@ -44,8 +44,8 @@ class ClassFilter {
 // A message that is shown for some seconds.
 struct ViewNotice {
   std::string text;
-  double until = 0;                 // time of RedrawScheduler::now() at which the message disappears (s)
-  std::optional<KeyMeaning> cause;  // the key that caused the message
+  double until = 0;                    // time of RedrawScheduler::now() at which the message disappears (s)
+  const ViewCommand* cause = nullptr;  // the command whose key caused the message; null: no key did
 };
 
 // Selects the points and triangles that are shown.
@@ -69,6 +69,8 @@ struct SessionContext {
                chosen.closeUp,
                {}} {}
 
+  // Returns the number of scans in the frame; 0 if there is no frame.
+  std::size_t scanCount() const { return frame ? frame->scans.size() : 0; }
   // Shows a message for some seconds.
   void notify(const std::string& text, double seconds = 4);
   // Shows a message for longer than notify() does by default. The same message is shown only once in a session.
@@ -83,7 +85,7 @@ struct SessionContext {
   ShownFilter filter;
   std::vector<ViewNotice> notices;
   std::vector<std::string> hints;
-  std::optional<KeyMeaning> executing;  // the key whose action is being executed
+  const ViewCommand* executing = nullptr;  // the command whose key is being handled
 };
 
 struct InstanceSummary {
@@ -98,12 +100,11 @@ struct InstanceSummary {
   Affine levelFromBox;
 };
 
-// Summarises one instance. `positions`: positions of the scan's points (m). `levelFromPoints`: transform from the frame
-// of `positions` to a frame whose z axis is vertical.
-InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
-                                  const Affine& levelFromPoints);
-// Summarises all instances except 0, in the order of their ids.
+// Summarises the instances that have finite points, in the order of their ids: all except 0 or, if `only` is given,
+// this one. `positions`: positions of the scan's points (m). `levelFromPoints`: transform from the frame of `positions`
+// to a frame whose z axis is vertical.
 std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> positions,
-                                                const Affine& levelFromPoints);
+                                                const Affine& levelFromPoints,
+                                                std::optional<std::uint32_t> only = std::nullopt);
 
 }  // namespace scanmill

@@ -1,7 +1,6 @@
 // Handles events, and executes the commands of keys and menus.
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "viewer/window/session.h"
 
@@ -10,11 +9,6 @@ namespace scanmill {
 namespace {
 
 constexpr std::array<Rgb, 3> kBackgrounds{{kBackground, {104, 108, 116}, {255, 255, 255}}};
-
-// Returns the quantity that the action ColorByNumber chooses.
-ColorBy numberedColor(const KeyMeaning& meaning) {
-  return ColorBy(colorNames()[static_cast<std::size_t>(meaning.number)]);
-}
 
 }  // namespace
 
@@ -27,10 +21,13 @@ bool ViewSession::handle(const CanvasEvent& event) {
         panels_.imgui.take(event);
         runPanels();
         context_.changes.panels = true;
-      } else if (const auto meaning = keyMeaning(event.key)) {
-        context_.executing = meaning;
-        execute(*meaning);
-        context_.executing.reset();
+        break;
+      }
+      for (const ViewCommand& command : commands()) {
+        if (std::ranges::find(command.keys, event.key) == command.keys.end()) continue;
+        context_.executing = &command;
+        execute(command);
+        context_.executing = nullptr;
       }
       break;
     case CanvasEvent::Kind::Down:
@@ -73,9 +70,7 @@ void ViewSession::handleButtonOrWheel(const CanvasEvent& event) {
   if (panels_.imgui.hasPointer()) return;
   if (event.kind == CanvasEvent::Kind::Down) return pointer_.press(event);
   if (!std::isfinite(event.amount)) return;
-  OrbitCamera zoomed = sceneView_.camera;
-  zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
-  sceneView_.setCamera(zoomed);
+  sceneView_.changeCamera([&](OrbitCamera& camera) { camera.zoom(std::clamp(event.amount, -20.0, 20.0)); });
 }
 
 // Handles a tick: shows what is loaded, plays frames, removes old notices, and draws all points after a pause.
@@ -95,72 +90,9 @@ void ViewSession::tick() {
 }
 
 // Executes a command, or tells the user why it does nothing for a scene without scans.
-void ViewSession::execute(const KeyMeaning& meaning) {
-  if (context_.source->isScene()) {
-    if (const std::string why = whyNotInScene(meaning); !why.empty()) return context_.notify(why);
-  }
-  switch (meaning.action) {
-    case KeyAction::StepColor:
-      return cycleColor(meaning.number);
-    case KeyAction::ColorByNumber:
-      return chooseColor(numberedColor(meaning));
-    case KeyAction::AutomaticScale:
-      return clouds_.resetScales();
-    case KeyAction::ResizePoints:
-      return resizePoints(meaning.number);
-    case KeyAction::NextBackground:
-      return nextBackground();
-    case KeyAction::Switch:
-      return switchOption(meaning.option);
-    case KeyAction::ToggleBoxes:
-      return nextBoxes();
-    case KeyAction::ToggleProjection:
-      return toggleProjection();
-    case KeyAction::PresetView:
-      return sceneView_.setCamera(sceneView_.preset(static_cast<View>(meaning.number)));
-    case KeyAction::TurnAbout:
-      return pointer_.turnAbout();
-    case KeyAction::ResetView:
-      return sceneView_.setCamera(sceneView_.firstCamera());
-    case KeyAction::StepFrames:
-      return stepBy(meaning.number);
-    case KeyAction::FirstFrame:
-      return goTo(0, 1);
-    case KeyAction::LastFrame:
-      return goTo(playback_.count() - 1, -1);
-    case KeyAction::Play:
-      return togglePlaying();
-    case KeyAction::GoTo:
-      return openPrompt();
-    case KeyAction::ToggleOverlay:
-      return toggleLayout(ViewLayout::Overlay);
-    case KeyAction::ToggleSplit:
-      return toggleLayout(ViewLayout::Split);
-    case KeyAction::NextView:
-      return nextView();
-    case KeyAction::NextScan:
-      return nextScan();
-    case KeyAction::ToggleWorld:
-      return toggleWorld();
-    case KeyAction::ShowAllClasses:
-      context_.filter = {};
-      return arrange();  // legends count all points again, not only those of a close-up
-    case KeyAction::InstanceAlone:
-      return toggleInstanceAlone();
-    case KeyAction::Measure:
-      return pointer_.toggleMeasuring();
-    case KeyAction::SavePicture:
-      return savePicture();
-    case KeyAction::ToggleHelp:
-      panels_.help = !panels_.help;
-      context_.changes.panels = context_.changes.hover = true;
-      return;
-    case KeyAction::Escape:
-      return escape();
-    case KeyAction::Quit:
-      quit_ = true;
-      return;
-  }
+void ViewSession::execute(const ViewCommand& command) {
+  const bool works = !context_.source->isScene() || command.whyNotInScene.empty();
+  works ? command.run(*this) : context_.notify(command.whyNotInScene);
 }
 
 void ViewSession::resizePoints(int pixels) {
@@ -170,10 +102,8 @@ void ViewSession::resizePoints(int pixels) {
 }
 
 void ViewSession::toggleProjection() {
-  OrbitCamera changed = sceneView_.camera;
-  changed.orthographic = !changed.orthographic;
-  sceneView_.setCamera(changed);
-  context_.notify(changed.orthographic ? "orthographic" : "perspective");
+  sceneView_.changeCamera([](OrbitCamera& camera) { camera.orthographic = !camera.orthographic; });
+  context_.notify(sceneView_.camera.orthographic ? "orthographic" : "perspective");
 }
 
 // Asks the user for a frame. Closes the help, which would otherwise receive the keys.
@@ -185,8 +115,8 @@ void ViewSession::openPrompt() {
 }
 
 void ViewSession::nextScan() {
-  if (!context_.frame || context_.frame->scans.size() < 2) return context_.notify("the sample has no other scan");
-  clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.frame->scans.size()].name;
+  if (context_.scanCount() < 2) return context_.notify("the sample has no other scan");
+  clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.scanCount()].name;
   context_.options.layout = ViewLayout::One;
   arrange();
 }
@@ -198,8 +128,7 @@ void ViewSession::toggleLayout(ViewLayout layout) {
   }
   context_.options.layout = context_.options.layout == layout ? ViewLayout::One : layout;
   clouds_.activeView.reset();
-  if (context_.options.layout == ViewLayout::Split && context_.frame && context_.frame->scans.size() == 1)
-    clouds_.activeView = 1;
+  if (context_.options.layout == ViewLayout::Split && context_.scanCount() == 1) clouds_.activeView = 1;
   arrange();
 }
 
@@ -230,7 +159,7 @@ void ViewSession::nextView() {
   if (clouds_.viewCount() < 2) return context_.notify("there is one view only; s splits it");
   clouds_.activeView = clouds_.activeView ? *clouds_.activeView + 1 : 0;
   if (*clouds_.activeView >= clouds_.viewCount()) clouds_.activeView.reset();
-  if (!clouds_.activeView && context_.frame->scans.size() == 1) clouds_.activeView = 0;
+  if (!clouds_.activeView && context_.scanCount() == 1) clouds_.activeView = 0;
   context_.changes.items = context_.changes.panels = true;
   clouds_.makeStrip();
 }
@@ -308,6 +237,17 @@ void ViewSession::toggleInstanceAlone() {
   applyFilter();
 }
 
+// Shows all points. Legends count all points again, not only those of a close-up.
+void ViewSession::showAll() {
+  context_.filter = {};
+  arrange();
+}
+
+void ViewSession::toggleHelp() {
+  panels_.help = !panels_.help;
+  context_.changes.panels = context_.changes.hover = true;
+}
+
 void ViewSession::savePicture() {
   context_.notices.clear();
   context_.changes.panels = true;
@@ -319,17 +259,6 @@ void ViewSession::savePicture() {
     context_.notify(e.what());
     warn(e.what());
   }
-}
-
-std::string ViewSession::whyNotInScene(const ColorBy& by) const {
-  if (std::ranges::find(kMeshColorNames, by.name()) != kMeshColorNames.end()) return {};
-  return fmt::format("a scene has no {}: it is coloured by {}", by.name(), fmt::join(kMeshColorNames, ", "));
-}
-
-std::string ViewSession::whyNotInScene(const KeyMeaning& meaning) const {
-  if (meaning.action == KeyAction::ColorByNumber) return whyNotInScene(numberedColor(meaning));
-  const auto command = std::ranges::find(viewCommands(), meaning, &ViewCommand::meaning);
-  return command == viewCommands().end() ? "" : std::string(command->whyNotInScene);
 }
 
 }  // namespace scanmill

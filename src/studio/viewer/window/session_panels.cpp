@@ -65,23 +65,12 @@ void ViewSession::drawMessagesOfSession() {
   context_.changes.panels = true;
 }
 
-// True if the command switches an option that is on; the menu then shows a check mark.
-bool ViewSession::isOn(const KeyMeaning& meaning) const {
-  using enum KeyAction;
-  if (meaning.option != nullptr) return context_.options.*meaning.option;
-  if (meaning.action == ToggleBoxes) return sceneView_.instanceBoxes;
-  return (meaning.action == ToggleOverlay && clouds_.overlaid()) ||
-         (meaning.action == ToggleSplit && context_.options.layout == ViewLayout::Split) ||
-         (meaning.action == ToggleWorld && sceneView_.staysInWorld) ||
-         (meaning.action == InstanceAlone && !context_.filter.instances.empty());
-}
-
 // Draws the menus of all commands and, at the right end of their row, the title and the summary.
 void ViewSession::drawMenus() {
   if (!ImGui::BeginMainMenuBar()) return;
   std::string_view menu;    // the menu of the last command
   bool isMenuOpen = false;  // true: the user has opened `menu`, and its commands are drawn
-  for (const ViewCommand& command : viewCommands()) {
+  for (const ViewCommand& command : commands()) {
     if (command.menu.empty()) continue;
     if (command.menu != menu) {
       if (isMenuOpen) ImGui::EndMenu();
@@ -89,9 +78,9 @@ void ViewSession::drawMenus() {
       isMenuOpen = ImGui::BeginMenu(menu.data());
     }
     if (!isMenuOpen) continue;
-    const bool isUsable = !context_.source->isScene() || whyNotInScene(command.meaning).empty();
-    const bool on = isOn(command.meaning);
-    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, isUsable)) execute(command.meaning);
+    const bool isUsable = !context_.source->isScene() || command.whyNotInScene.empty();
+    const bool isOn = command.isOn && command.isOn(*this);
+    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), isOn, isUsable)) execute(command);
   }
   if (isMenuOpen) ImGui::EndMenu();
   const std::string text = fmt::format("{}   {}", panels_.title(), panels_.summary());
@@ -139,7 +128,7 @@ void ViewSession::drawLegends(LegendKind kind) {
     const Legend& legend = block.legend;
     if (legend.scale != (kind == LegendKind::Scale)) continue;
     std::string title = legend.scale ? scaleTitle(legend) : legend.title;
-    if (blocks.size() > 1 && context_.frame && context_.frame->scans.size() > 1) {
+    if (blocks.size() > 1 && context_.scanCount() > 1) {
       title += ": " + panels_.panes[block.views.front()].caption;
     }
     section(title, panelUse(), [&] { legend.scale ? drawScaleOf(block) : drawEntriesOf(legend); });
@@ -163,7 +152,7 @@ void ViewSession::drawEntriesOf(const Legend& legend) {
   for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
   const bool clickable = std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
   const LegendClick click = drawLegendRows(legend, hidden, clickable, panelUse());
-  if (click.allEntries) execute({KeyAction::ShowAllClasses});
+  if (click.allEntries) showAll();
   if (!click.entry || legend.entries[*click.entry].id < 0) return;
   const bool showsOnly = panels_.imgui.shift() || panels_.imgui.clicks() == 2;
   const std::int64_t id = legend.entries[*click.entry].id;
@@ -209,7 +198,7 @@ void ViewSession::drawStrip() {
   });
   ImGui::PopStyleVar();
   if (!pressed) return;
-  if (auto picked = pointer_.pickStrip(rect, pointer_.x, pointer_.y)) {
+  if (auto picked = pointer_.pickStrip(rect)) {
     pointer_.lookAt(picked->position);
     pointer_.pinned = pointer_.withOtherScans(std::move(*picked));
   }

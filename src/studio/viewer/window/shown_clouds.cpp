@@ -35,8 +35,9 @@ ShownClouds::ShownClouds(SessionContext& context) : context_(context) {
 }
 
 std::size_t ShownClouds::viewCount() const {
-  if (context_.options.layout != ViewLayout::Split || !context_.frame || context_.frame->scans.empty()) return 1;
-  return context_.frame->scans.size() == 1 ? 2 : std::min(context_.frame->scans.size(), kCanvasViews);
+  const std::size_t scans = context_.scanCount();
+  if (context_.options.layout != ViewLayout::Split || scans == 0) return 1;
+  return scans == 1 ? 2 : std::min(scans, kCanvasViews);
 }
 
 std::size_t ShownClouds::shownScan() const {
@@ -65,10 +66,10 @@ bool ShownClouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
 // range that the scan has, otherwise the height. The second view of a single scan skips the first view's quantity.
 ColorBy ShownClouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
-  if (!context_.frame || context_.frame->scans.empty()) return kByClass;
-  const bool isSecondOfScan = context_.frame->scans.size() == 1 && view > 0;
+  if (context_.scanCount() == 0) return kByClass;
+  const bool isSecondOfScan = context_.scanCount() == 1 && view > 0;
   if (!isSecondOfScan && context_.options.colors.size() == 1) return context_.options.colors.front();
-  const ViewScan& scan = context_.frame->scans[view < context_.frame->scans.size() ? view : 0];
+  const ViewScan& scan = context_.frame->scans[view < context_.scanCount() ? view : 0];
   for (const ColorBy& by : {kByClass, kByIntensity, kByRange}) {
     if (hasColor(scan, by) && !(isSecondOfScan && by == colorOf(0))) return by;
   }
@@ -80,7 +81,7 @@ ColorBy ShownClouds::colorOf(std::size_t view) const {
 std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);
-  if (context_.options.layout != ViewLayout::Split || context_.frame->scans.size() < 2 || !isNumeric(by)) return {};
+  if (context_.options.layout != ViewLayout::Split || context_.scanCount() < 2 || !isNumeric(by)) return {};
   if (const auto found = commonScales_.find(by); found != commonScales_.end()) return found->second;
   std::optional<ScaleRange> common;
   for (std::size_t v = 0; v < viewCount(); ++v) {
@@ -94,16 +95,16 @@ std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   return common;
 }
 
-// Returns the colours of a scan in a view. If the scan lacks the column, returns the default colours, and sets
+// Returns the colours of a scan in its view. If the scan lacks the column, returns the default colours, and sets
 // `colorProblem` and `columnMissing`.
-Coloring ShownClouds::colored(std::size_t scanIndex, std::size_t view) {
-  const ViewScan& scan = context_.frame->scans[scanIndex];
+Coloring ShownClouds::colored(const ShownCloud& cloud) {
+  const ViewScan& scan = scanOf(cloud);
   if (scan.coloring) return *scan.coloring;
   ColorContext context = contextOf(scan);
   try {
-    context.scale = scaleOf(view);
-    Coloring coloring = colorScan(scan.scan, colorOf(view), context);
-    coloring.legend.endsChosen = scales[view].has_value();
+    context.scale = scaleOf(cloud.view);
+    Coloring coloring = colorScan(scan.scan, colorOf(cloud.view), context);
+    coloring.legend.endsChosen = scales[cloud.view].has_value();
     return coloring;
   } catch (const InputError& e) {
     colorProblem = fmt::format("{}: {}", scan.name, e.what());
@@ -118,7 +119,13 @@ void ShownClouds::arrange() {
   colorProblem.clear();
   columnMissing.reset();
   commonScales_.clear();
-  listClouds();
+  // All scans are in one view, or one scan in each view, or one scan in all views.
+  const std::size_t scans = context_.scanCount();
+  const bool splitsScans = context_.options.layout == ViewLayout::Split && scans > 1;
+  const std::size_t clouds = scans == 0 ? 0 : overlaid() ? scans : viewCount();
+  for (std::size_t k = 0; k < clouds; ++k) {
+    list.push_back({.scan = overlaid() || splitsScans ? k : shownScan(), .view = overlaid() ? 0 : k});
+  }
   if (activeView && *activeView >= viewCount()) activeView.reset();
   for (std::size_t k = 0; k < list.size(); ++k) {
     ShownCloud& cloud = list[k];
@@ -126,7 +133,7 @@ void ShownClouds::arrange() {
     if (overlaid()) {
       cloud.coloring.colors.assign(scan.size(), overlayColor(cloud.scan));
     } else {
-      cloud.coloring = colored(cloud.scan, cloud.view);
+      cloud.coloring = colored(cloud);
     }
     cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
     if (!classesKnown_) addClasses(scan, presentClasses);
@@ -135,22 +142,11 @@ void ShownClouds::arrange() {
   for (std::size_t k = list.size(); k < previousClouds; ++k) context_.canvas.drop(cloudItem(k));
 }
 
-// Fills `list` with scans and views for the layout: all scans in one view, one scan per view, or one scan in all views.
-void ShownClouds::listClouds() {
-  const std::size_t scans = context_.frame ? context_.frame->scans.size() : 0;
-  if (scans == 0) return;
-  const bool splitsScans = context_.options.layout == ViewLayout::Split && scans > 1;
-  const std::size_t clouds = overlaid() ? scans : viewCount();
-  for (std::size_t k = 0; k < clouds; ++k) {
-    list.push_back({.scan = overlaid() || splitsScans ? k : shownScan(), .view = overlaid() ? 0 : k});
-  }
-}
-
 void ShownClouds::recolor(std::size_t view) {
   if (overlaid()) return;
   for (std::size_t k = 0; k < list.size(); ++k) {
     if (list[k].view != view) continue;
-    list[k].coloring = colored(list[k].scan, view);
+    list[k].coloring = colored(list[k]);
     context_.canvas.setColors(cloudItem(k), list[k].coloring.colors);
   }
   context_.changes.items = context_.changes.panels = true;
@@ -200,7 +196,6 @@ std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& clou
   return indices;
 }
 
-// True if a choice of colours applies to the view: the view is active, or all views are active.
 void ShownClouds::chooseColor(const ColorBy& by) {
   if (list.empty()) return;
   if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
@@ -223,7 +218,7 @@ void ShownClouds::chooseColor(const ColorBy& by) {
     colors[view] = by;
   }
   commonScales_.clear();
-  const bool sharesScales = context_.options.layout == ViewLayout::Split && context_.frame->scans.size() > 1;
+  const bool sharesScales = context_.options.layout == ViewLayout::Split && context_.scanCount() > 1;
   for (std::size_t view = 0; view < viewCount(); ++view) {
     if (isAffected(view) || (sharesScales && isNumeric(colorOf(view)))) recolor(view);
   }

@@ -39,9 +39,7 @@ struct ShownClouds {
   void makeStrip();
 
   // True if all scans of the frame are in one view, each in a fixed colour.
-  bool overlaid() const {
-    return context_.options.layout == ViewLayout::Overlay && context_.frame && context_.frame->scans.size() > 1;
-  }
+  bool overlaid() const { return context_.options.layout == ViewLayout::Overlay && context_.scanCount() > 1; }
   std::size_t viewCount() const;
   std::size_t shownScan() const;  // returns the index of the scan that the layout One shows
   ColorBy colorOf(std::size_t view) const;
@@ -76,12 +74,11 @@ struct ShownClouds {
   std::size_t stripCloud = 0;  // index in `list` of the cloud that the range image shows
 
  private:
-  Coloring colored(std::size_t scan, std::size_t view);
+  Coloring colored(const ShownCloud& cloud);
   std::optional<std::vector<std::uint32_t>> filtered(ShownCloud& cloud) const;
   std::optional<ScaleRange> scaleOf(std::size_t view);
   ColorContext contextOf(const ViewScan& scan) const;
   bool isAffected(std::size_t view) const { return !activeView || *activeView == view; }
-  void listClouds();
 
   SessionContext& context_;
   std::map<ColorBy, ScaleRange> commonScales_;  // ends of scales that scans side by side share

@@ -3,91 +3,110 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "viewer/window/session.h"
+
 namespace scanmill {
 
 namespace {
 
 // Reasons why commands do nothing for a scene without scans.
-constexpr std::string_view kNoFrames = "a scene has no frames: a dataset of it has";
-constexpr std::string_view kNoScans = "a scene has no scans: a dataset of it has";
-constexpr std::string_view kNoRangeImage = "a scene has no range image: a dataset of it has";
-constexpr std::string_view kNoTrajectory = "a scene has no trajectory: a dataset of it has";
-constexpr std::string_view kNoRangeRings = "a scene has no sensor to draw range rings about";
-
-// Each row: menu, action with number or option, label, keys, and why the command does nothing in a scene without scans.
-std::vector<ViewCommand> listCommands() {
-  using A = KeyAction;
-  std::vector<ViewCommand> commands{
-      {"Frames", {A::StepFrames, 1}, "next", {"Right", "."}, kNoFrames},
-      {"Frames", {A::StepFrames, -1}, "previous", {"Left", ","}, kNoFrames},
-      {"Frames", {A::StepFrames, 10}, "ten on", {"Page_Down"}, kNoFrames},
-      {"Frames", {A::StepFrames, -10}, "ten back", {"Page_Up"}, kNoFrames},
-      {"Frames", {A::FirstFrame}, "first", {"<"}, kNoFrames},
-      {"Frames", {A::LastFrame}, "last", {">", "End"}, kNoFrames},
-      {"Frames", {A::Play}, "play, pause", {" "}, kNoFrames},
-      {"Frames", {A::GoTo}, "go to a key or index", {"g"}, kNoFrames},
-      {"Scans", {A::NextScan}, "next of the sample", {"n"}, kNoScans},
-      {"Scans", {A::ToggleOverlay}, "all over one another, each in a colour", {"l"}, kNoScans},
-      {"Scans", {A::ToggleSplit}, "side by side, or one in several colours", {"s"}, kNoScans},
-      {"Scans", {A::NextView}, "next view that colours are chosen for", {"Tab"}, kNoScans},
-      {"Scans", {A::Switch, 0, &ViewOptions::rangeImage}, "range image", {"i"}, kNoRangeImage},
-  };
-  for (int i = 0; i < 10; ++i) {  // the keys 1 to 9, then 0
-    const std::string& name = colorNames()[static_cast<std::size_t>(i)];
-    commands.push_back({"Colours", {A::ColorByNumber, i}, "by " + name, {std::to_string((i + 1) % 10)}});
-  }
-  const std::vector<ViewCommand> othersOfMenus{
-      {"Colours", {A::StepColor, 1}, "by the next column", {"c"}},
-      {"Colours", {A::StepColor, -1}, "by the previous column", {"C"}},
-      {"Colours", {A::AutomaticScale}, "the scale that the values give", {"\\"}},
-      {"Show", {A::ShowAllClasses}, "all points", {"A"}},
-      {"Show", {A::InstanceAlone}, "the instance that is pointed at alone", {"x"}},
-      {"Show", {A::Switch, 0, &ViewOptions::legends}, "what colours mean", {"k"}},
-      {"Show", {A::Switch, 0, &ViewOptions::mesh}, "mesh of the scene", {"m"}, "the scene's mesh is all that there is"},
-      {"Show",
-       {A::ToggleBoxes},
-       "boxes of road users, of all objects, or none; or about the points of instances",
-       {"O"},
-       "a scene has no list of objects: a dataset of it may have"},
-      {"Show", {A::Switch, 0, &ViewOptions::trajectory}, "trajectory", {"t"}, kNoTrajectory},
-      {"Show",
-       {A::Switch, 0, &ViewOptions::axes},
-       "axes of the sensors (x red, y green, z blue), and the ego vehicle",
-       {"a"}},
-      {"Show", {A::Switch, 0, &ViewOptions::rangeRings}, "range rings on the ground", {"r"}, kNoRangeRings},
-      {"Show", {A::Switch, 0, &ViewOptions::depthEdges}, "dark depth edges", {"e"}},
-      {"Show", {A::ResizePoints, 1}, "larger points", {"+", "="}, "a scene has no points"},
-      {"Show", {A::ResizePoints, -1}, "smaller points", {"-"}, "a scene has no points"},
-      {"Show", {A::NextBackground}, "background dark, grey, white", {"b"}},
-      {"Camera", {A::PresetView, static_cast<int>(View::Chase)}, "chase", {"F1"}},
-      {"Camera", {A::PresetView, static_cast<int>(View::Driver)}, "driver's", {"F2"}},
-      {"Camera", {A::PresetView, static_cast<int>(View::Above)}, "from above", {"F3"}},
-      {"Camera", {A::ResetView}, "the first view again", {"Home"}},
-      {"Camera", {A::TurnAbout}, "turn about what is pointed at", {"f"}},
-      {"Camera", {A::ToggleProjection}, "perspective, orthographic", {"o"}},
-      {"Camera", {A::ToggleWorld}, "stand in the world, follow the sensor", {"w"}, "a scene has no sensor to follow"},
-      {"Tools", {A::Measure}, "distance between two clicks", {"d"}},
-      {"Tools", {A::SavePicture}, "save a picture", {"P"}},
-      {"Tools", {A::ToggleHelp}, "keys", {"h", "?"}},
-      {"Tools", {A::Quit}, "quit", {"q"}},
-      {"", {A::Escape}, "close what is open: help, distance, pin, instance alone", {"Escape"}},
-  };
-  commands.insert(commands.end(), othersOfMenus.begin(), othersOfMenus.end());
-  return commands;
-}
+constexpr const char* kNoFrames = "a scene has no frames: a dataset of it has";
+constexpr const char* kNoScans = "a scene has no scans: a dataset of it has";
 
 }  // namespace
 
-const std::vector<ViewCommand>& viewCommands() {
-  static const std::vector<ViewCommand> all = listCommands();
+const std::vector<ViewCommand>& ViewSession::commands() {
+  static const std::vector<ViewCommand> all = [] {
+    using S = ViewSession;
+    const auto switchOf = [](std::string_view menu, const std::string& label, const std::string& key,
+                             bool ViewOptions::*option, const std::string& whyNotInScene = "") {
+      return ViewCommand{menu,          label,
+                         {key},         [=](S& s) { s.switchOption(option); },
+                         whyNotInScene, [=](const S& s) { return s.context_.options.*option; }};
+    };
+    const auto presetView = [](const std::string& label, const std::string& key, View view) {
+      return ViewCommand{"Camera", label, {key}, [=](S& s) { s.sceneView_.setCamera(s.sceneView_.preset(view)); }};
+    };
+    std::vector<ViewCommand> commands{
+        {"Frames", "next", {"Right", "."}, [](S& s) { s.stepBy(1); }, kNoFrames},
+        {"Frames", "previous", {"Left", ","}, [](S& s) { s.stepBy(-1); }, kNoFrames},
+        {"Frames", "ten on", {"Page_Down"}, [](S& s) { s.stepBy(10); }, kNoFrames},
+        {"Frames", "ten back", {"Page_Up"}, [](S& s) { s.stepBy(-10); }, kNoFrames},
+        {"Frames", "first", {"<"}, [](S& s) { s.goTo(0, 1); }, kNoFrames},
+        {"Frames", "last", {">", "End"}, [](S& s) { s.goTo(s.playback_.count() - 1, -1); }, kNoFrames},
+        {"Frames", "play, pause", {" "}, [](S& s) { s.togglePlaying(); }, kNoFrames},
+        {"Frames", "go to a key or index", {"g"}, [](S& s) { s.openPrompt(); }, kNoFrames},
+        {"Scans", "next of the sample", {"n"}, [](S& s) { s.nextScan(); }, kNoScans},
+        {"Scans",
+         "all over one another, each in a colour",
+         {"l"},
+         [](S& s) { s.toggleLayout(ViewLayout::Overlay); },
+         kNoScans,
+         [](const S& s) { return s.clouds_.overlaid(); }},
+        {"Scans",
+         "side by side, or one in several colours",
+         {"s"},
+         [](S& s) { s.toggleLayout(ViewLayout::Split); },
+         kNoScans,
+         [](const S& s) { return s.context_.options.layout == ViewLayout::Split; }},
+        {"Scans", "next view that colours are chosen for", {"Tab"}, [](S& s) { s.nextView(); }, kNoScans},
+        switchOf("Scans", "range image", "i", &ViewOptions::rangeImage,
+                 "a scene has no range image: a dataset of it has"),
+    };
+    for (int i = 0; i < 10; ++i) {  // the keys 1 to 9, then 0
+      const ColorBy by(colorNames()[static_cast<std::size_t>(i)]);
+      const std::string key = std::to_string((i + 1) % 10);
+      commands.push_back({"Colours", "by " + by.name(), {key}, [=](S& s) { s.chooseColor(by); }, whyNoMeshColor(by)});
+    }
+    const std::vector<ViewCommand> othersOfMenus{
+        {"Colours", "by the next column", {"c"}, [](S& s) { s.cycleColor(1); }},
+        {"Colours", "by the previous column", {"C"}, [](S& s) { s.cycleColor(-1); }},
+        {"Colours", "the scale that the values give", {"\\"}, [](S& s) { s.clouds_.resetScales(); }},
+        {"Show", "all points", {"A"}, [](S& s) { s.showAll(); }},
+        {"Show",
+         "the instance that is pointed at alone",
+         {"x"},
+         [](S& s) { s.toggleInstanceAlone(); },
+         "",
+         [](const S& s) { return !s.context_.filter.instances.empty(); }},
+        switchOf("Show", "what colours mean", "k", &ViewOptions::legends),
+        switchOf("Show", "mesh of the scene", "m", &ViewOptions::mesh, "the scene's mesh is all that there is"),
+        {"Show",
+         "boxes of road users, of all objects, or none; or about the points of instances",
+         {"O"},
+         [](S& s) { s.nextBoxes(); },
+         "a scene has no list of objects: a dataset of it may have",
+         [](const S& s) { return s.sceneView_.instanceBoxes; }},
+        switchOf("Show", "trajectory", "t", &ViewOptions::trajectory, "a scene has no trajectory: a dataset of it has"),
+        switchOf("Show", "axes of the sensors (x red, y green, z blue), and the ego vehicle", "a", &ViewOptions::axes),
+        switchOf("Show", "range rings on the ground", "r", &ViewOptions::rangeRings,
+                 "a scene has no sensor to draw range rings about"),
+        switchOf("Show", "dark depth edges", "e", &ViewOptions::depthEdges),
+        {"Show", "larger points", {"+", "="}, [](S& s) { s.resizePoints(1); }, "a scene has no points"},
+        {"Show", "smaller points", {"-"}, [](S& s) { s.resizePoints(-1); }, "a scene has no points"},
+        {"Show", "background dark, grey, white", {"b"}, [](S& s) { s.nextBackground(); }},
+        presetView("chase", "F1", View::Chase),
+        presetView("driver's", "F2", View::Driver),
+        presetView("from above", "F3", View::Above),
+        {"Camera", "the first view again", {"Home"}, [](S& s) { s.sceneView_.setCamera(s.sceneView_.firstCamera()); }},
+        {"Camera", "turn about what is pointed at", {"f"}, [](S& s) { s.pointer_.turnAbout(); }},
+        {"Camera", "perspective, orthographic", {"o"}, [](S& s) { s.toggleProjection(); }},
+        {"Camera",
+         "stand in the world, follow the sensor",
+         {"w"},
+         [](S& s) { s.toggleWorld(); },
+         "a scene has no sensor to follow",
+         [](const S& s) { return s.sceneView_.staysInWorld; }},
+        {"Tools", "distance between two clicks", {"d"}, [](S& s) { s.pointer_.toggleMeasuring(); }},
+        {"Tools", "save a picture", {"P"}, [](S& s) { s.savePicture(); }},
+        {"Tools", "keys", {"h", "?"}, [](S& s) { s.toggleHelp(); }},
+        {"Tools", "quit", {"q"}, [](S& s) { s.quit_ = true; }},
+        {"", "close what is open: help, distance, pin, instance alone", {"Escape"}, [](S& s) { s.escape(); }},
+    };
+    commands.insert(commands.end(), othersOfMenus.begin(), othersOfMenus.end());
+    return commands;
+  }();
   return all;
-}
-
-std::optional<KeyMeaning> keyMeaning(std::string_view key) {
-  for (const ViewCommand& command : viewCommands()) {
-    if (std::ranges::find(command.keys, key) != command.keys.end()) return command.meaning;
-  }
-  return {};
 }
 
 std::string keysText(const ViewCommand& command) {
@@ -104,7 +123,7 @@ std::vector<std::pair<std::string, std::string>> viewKeys() {
       {"click", "pin what lies there; among what colours mean: hide or show"},
       {"double click, shift + click", "turn about what lies there; among what colours mean: show that alone"},
   };
-  for (const ViewCommand& command : viewCommands()) {
+  for (const ViewCommand& command : ViewSession::commands()) {
     const std::string menu(command.menu);
     rows.emplace_back(keysText(command), menu.empty() ? command.label : menu + ": " + command.label);
   }

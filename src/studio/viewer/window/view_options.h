@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -53,58 +54,19 @@ struct ViewOptions {
   std::optional<CloseUp> closeUp{};        // only points in this ball are shown, and the camera looks at it
 };
 
-enum class KeyAction {
-  StepColor,      // number: 1 or -1
-  ColorByNumber,  // number: index in colorNames()
-  AutomaticScale,
-  ResizePoints,  // number: pixels
-  NextBackground,
-  Switch,  // switches `option` on and off
-  ToggleBoxes,
-  ToggleProjection,
-  PresetView,  // number: a value of View
-  TurnAbout,
-  ResetView,
-  StepFrames,  // number: how many frames to go forward; negative: backward
-  FirstFrame,
-  LastFrame,
-  Play,
-  GoTo,
-  ToggleOverlay,
-  ToggleSplit,
-  NextView,
-  NextScan,
-  ToggleWorld,
-  ShowAllClasses,
-  InstanceAlone,
-  Measure,
-  SavePicture,
-  ToggleHelp,
-  Escape,
-  Quit,
-};
+class ViewSession;
 
-struct KeyMeaning {
-  KeyAction action = KeyAction::Quit;
-  int number = 0;
-  bool ViewOptions::*option = nullptr;
-  bool operator==(const KeyMeaning&) const = default;
-};
-
-// A command. If `menu` is empty, the command is in no menu and has only keys.
+// A command of menus and keys. If `menu` is empty, the command is in no menu and has only keys.
 struct ViewCommand {
   std::string_view menu;
-  KeyMeaning meaning;
   std::string label;
   std::vector<std::string> keys;  // typed characters, such as "c", or names of keys, such as "Left"
+  std::function<void(ViewSession&)> run;
   // Why the command does nothing for a scene without scans, which has only triangles; empty: the command works.
-  std::string_view whyNotInScene{};
+  std::string whyNotInScene{};
+  // True if what the command switches is on; the menu then shows a check mark. Empty: the menu shows none.
+  std::function<bool(const ViewSession&)> isOn{};
 };
-// Returns all commands, in the order of the menus.
-const std::vector<ViewCommand>& viewCommands();
-
-// Returns the meaning of a key; nothing if the key has no function.
-std::optional<KeyMeaning> keyMeaning(std::string_view key);
 
 // Returns the command's keys as text for menus and help, such as "space" or "h or ?".
 std::string keysText(const ViewCommand& command);

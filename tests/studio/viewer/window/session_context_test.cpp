@@ -41,7 +41,7 @@ TEST(InstanceSummary, ABoxHasItsSizeHoweverItIsTurned) {
   for (const double yaw : {0.0, 0.3, 1.2, 2.5, -3.0}) {
     for (const auto& [length, width] : {std::pair(4.5, 1.8), {2.0, 1.9}, {12.0, 0.5}}) {
       const BoxScan box(length, width, 1.5, yaw);
-      const InstanceSummary summary = summarizeInstance(box.scan, box.scan.position, 7, {});
+      const InstanceSummary summary = summarizeInstances(box.scan, box.scan.position, {}, 7).front();
       EXPECT_NEAR(summary.size.x, length, 1e-4);
       EXPECT_NEAR(summary.size.y, width, 1e-4);
       EXPECT_NEAR(summary.size.z, 1.5, 1e-4);
@@ -64,7 +64,7 @@ TEST(InstanceSummary, AllAtOnceAreAsOneByOne) {
   const auto all = summarizeInstances(box.scan, box.scan.position, {});
   ASSERT_EQ(all.size(), 2u);
   for (const InstanceSummary& one : all) {
-    const InstanceSummary alone = summarizeInstance(box.scan, box.scan.position, one.id, {});
+    const InstanceSummary alone = summarizeInstances(box.scan, box.scan.position, {}, one.id).front();
     EXPECT_EQ(one.points, alone.points);
     EXPECT_EQ(one.classes, alone.classes);
     EXPECT_EQ(one.size, alone.size);
@@ -77,19 +77,19 @@ TEST(InstanceSummary, IsMeasuredUpright) {
   const Affine levelFromScan = toAffine(Pose{fromYawPitchRoll(0.2, 0.5, -0.3), {0, 0, 2}});
   const Affine scanFromLevel = inverse(levelFromScan);
   for (Vec3f& p : box.scan.position) p = Vec3f(scanFromLevel * Vec3d(p));
-  const Vec3d size = summarizeInstance(box.scan, box.scan.position, 7, levelFromScan).size;
+  const Vec3d size = summarizeInstances(box.scan, box.scan.position, levelFromScan, 7).front().size;
   EXPECT_NEAR(length(size - Vec3d{4.5, 1.8, 1.5}), 0, 1e-4);
 }
 
 TEST(InstanceSummary, FewPointsHaveFlatBoxes) {
   Scan scan;
-  EXPECT_TRUE(summarizeInstance(scan, scan.position, 1, {}).points.empty());
+  EXPECT_TRUE(summarizeInstances(scan, scan.position, {}).empty());
   scan[kInstance] = {1, 1, 1, 2};
   scan.position = {{0, 0, 0}, {3, 4, 0}, {1.5, 2, 0}, {9, 9, 9}};
-  InstanceSummary line = summarizeInstance(scan, scan.position, 1, {});
+  InstanceSummary line = summarizeInstances(scan, scan.position, {}, 1).front();
   EXPECT_NEAR(length(line.size - Vec3d{5, 0, 0}), 0, 1e-6);
   EXPECT_TRUE(line.classes.empty());
-  EXPECT_EQ(summarizeInstance(scan, scan.position, 2, {}).size, (Vec3d{0, 0, 0}));
+  EXPECT_EQ(summarizeInstances(scan, scan.position, {}, 2).front().size, (Vec3d{0, 0, 0}));
 }
 
 TEST(ClassFilter, HidesOrShowsAlone) {

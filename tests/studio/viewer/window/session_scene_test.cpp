@@ -78,7 +78,7 @@ TEST_F(SceneViewer, APickNamesTextureAndRule) {
           "      - {match: {texture: wall*}, class: building}\n"
           "      - {match: {node: right}, class: fence}\n"
           "  - {primitive: box, size: [1, 1, 1], class: car, material: metal_bare, position: [-3, 0, 0]}\n");
-  const ViewMesh mesh = loadViewMesh(file, 1);
+  const ViewMesh mesh = loadViewMesh({file, 1});
   ASSERT_EQ(mesh.problem, "");
   std::set<std::string> texturesAndRules;
   for (std::size_t t = 0; t < mesh.size(); ++t) {
@@ -130,7 +130,7 @@ TEST_F(SceneViewer, NamedViewsShowAllOfIt) {
     session.drawWhenLoaded();
     const ViewCamera& camera = canvas_.views().at(0).camera;
     const PixelRect& rect = canvas_.views().at(0).rect;
-    const ViewMesh mesh = loadViewMesh(file, 1, 0);
+    const ViewMesh mesh = loadViewMesh({file, 1, 0});
     Box shown;
     for (const Vec3f& corner : mesh.corners) {
       const Vec3d p(corner);
