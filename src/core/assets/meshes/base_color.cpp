@@ -155,9 +155,24 @@ ColorImages::~ColorImages() {
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, Need need,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
-  const auto cached = images_.find({key, need});
-  if (cached != images_.end()) return cached->second;
-  return images_[{key, need}] = read(name, need, embedded);
+  const auto [entry, isNew] = images_.try_emplace({key, need});
+  std::shared_ptr<const Texture>& image = entry->second;
+  if (!isNew) return image;
+  std::filesystem::path path;
+  if (!embedded) {
+    path = findTexture(asset_, name, allowOutside_, folders_);
+    if (path.empty()) missing_.insert(name);
+    if (path.empty() || (need == Need::ImageWithAlpha && !mayHaveAlpha(path))) return nullptr;
+  }
+  try {
+    image = embedded ? embedded() : loadTexture(path);
+    if (need == Need::ImageWithAlpha && !image->hasAlpha) image = nullptr;
+  } catch (const InputLimitError&) {
+    throw;
+  } catch (const InputError& e) {
+    warn("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what());
+  }
+  return image;
 }
 
 std::shared_ptr<const Texture> ColorImages::tinted(const std::shared_ptr<const Texture>& image,
@@ -180,25 +195,6 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
   const auto [entry, isNew] = means_.emplace(std::pair{image, leastAlpha}, 0.0f);
   if (isNew) entry->second = meanLuminance(*image, leastAlpha);
   return entry->second;
-}
-
-std::shared_ptr<const Texture> ColorImages::read(const std::string& name, Need need,
-                                                 const std::function<std::shared_ptr<const Texture>()>& embedded) {
-  std::filesystem::path path;
-  if (!embedded) {
-    path = findTexture(asset_, name, allowOutside_, folders_);
-    if (path.empty()) missing_.insert(name);
-    if (path.empty() || (need == Need::ImageWithAlpha && !mayHaveAlpha(path))) return nullptr;
-  }
-  try {
-    std::shared_ptr<const Texture> texture = embedded ? embedded() : loadTexture(path);
-    return need == Need::ImageWithAlpha && !texture->hasAlpha ? nullptr : texture;
-  } catch (const InputLimitError&) {
-    throw;
-  } catch (const InputError& e) {
-    warn("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what());
-    return nullptr;
-  }
 }
 
 std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,

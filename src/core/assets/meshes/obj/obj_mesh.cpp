@@ -42,10 +42,7 @@ class ObjReader {
 
   ImportedFile read() {
     while (statements_.next()) readStatement();
-    imported_.up = options_.up.value_or('z');
-    const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
-    for (Vec3d& vertex : vertices_) vertex = frame * vertex;
-    imported_.origin = originNear(vertices_.size(), [&](std::size_t i) { return vertices_[i]; });
+    placePositions(vertices_, true, options_, imported_);
     materials_.check(!libraries_.empty() && imported_.missing.empty());
     for (Part& part : parts_) {
       // Faces without texture coordinates become a separate part, since no texture must show on them.
