@@ -124,12 +124,6 @@ class Arrangement {
                            const std::function<double(const Copy&)>& lowestZ) const;
 
  private:
-  std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
-                              std::uint32_t object) const;
-  std::vector<Pose> alongPath(const Scene& scene, const SurfaceHeights* heights) const;
-  std::vector<Copy> stoodOnSurfaces(const std::vector<Copy>& copies, const SurfaceHeights& heights, std::uint64_t seed,
-                                    const std::function<double(const Copy&)>& lowestZ) const;
-
   std::optional<Scatter> scatter_;
   std::optional<Along> along_;
   std::optional<Vary> vary_;

@@ -114,12 +114,11 @@ class PrimitiveObjects {
     const std::string shape = appendPrimitive(object, kind, mesh);
     const Value& className = object.require("class");
     const Value& materialName = object.require("material");
-    Surface surface;
     const SemanticClass& semantic = requireClass(builder_.ontology(), object.text("class"), className.where);
-    surface.semantic = semantic.id;
-    surface.object = semantic.thing ? 1 : 0;
-    surface.material = builder_.material(object.text("material"), materialName.where);
-    surface.labelledBy = className.where;
+    Surface surface{.material = builder_.material(object.text("material"), materialName.where),
+                    .semantic = semantic.id,
+                    .object = semantic.thing ? 1u : 0u,
+                    .labelledBy = className.where};
     const std::string name = object.text("name", kind);
     const Copies copies = placer_.read(object);
     if (!copies.arrangement.materials().empty()) {
