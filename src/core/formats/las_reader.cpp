@@ -257,11 +257,9 @@ class LasReader {
 
   // Sets the column `intensity` to the exact intensities that our exports have as extra bytes, else to `intensities`.
   void chooseIntensities(std::vector<float> intensities) {
-    for (ForeignColumn& column : cloud_.scan.foreign) {
-      if (column.name != kLasExactIntensity) continue;
-      column.name = kIntensity.row.name;
-      return;
-    }
+    std::vector<ForeignColumn>& foreign = cloud_.scan.foreign;
+    const auto exact = std::ranges::find(foreign, kLasExactIntensity, &ForeignColumn::name);
+    if (exact != foreign.end()) return void(exact->name = kIntensity.row.name);
     cloud_.scan[kIntensity] = std::move(intensities);
     cloud_.scan.columnsIfEmpty.add(kIntensity.index);
   }

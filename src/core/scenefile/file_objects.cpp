@@ -78,6 +78,24 @@ HeightOptions readHeightOptions(const Value& value) {
   return options;
 }
 
+// Reads the keys `points` (for point clouds) and `heights` (for height rasters) of an object into `asset`, if present.
+// Throws InputError for an invalid value, and for a key that does not fit the kind of the file.
+void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetOptions& asset) {
+  const bool cloud = isCloud(file);
+  if (const Value* points = object.find("points")) {
+    if (!cloud)
+      throw InputError(
+          points->where,
+          "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, .asc of points, and .ply without faces");
+    asset.points = readPointOptions(*points);
+  }
+  if (const Value* heights = object.find("heights")) {
+    if (cloud || readerOf(file) != AssetReader::Heights)
+      throw InputError(heights->where, "heights is only for rasters, such as .tif");
+    asset.heights = readHeightOptions(*heights);
+  }
+}
+
 }  // namespace
 
 FileObjects::FileObjects(SceneBuilder& builder, ObjectPlacer& placer, std::vector<Rule> sceneRules,
@@ -243,22 +261,6 @@ void FileObjects::add(Fields& object) {
   };
   placer_.place(Variants{variants.size(), meshesOf}, name, copies, object.where());
   meshes_.compareSurveys(variants.front(), copies.placement.object.pose.translation, where);
-}
-
-void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetOptions& asset) {
-  const bool cloud = isCloud(file);
-  if (const Value* points = object.find("points")) {
-    if (!cloud)
-      throw InputError(
-          points->where,
-          "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, .asc of points, and .ply without faces");
-    asset.points = readPointOptions(*points);
-  }
-  if (const Value* heights = object.find("heights")) {
-    if (cloud || readerOf(file) != AssetReader::Heights)
-      throw InputError(heights->where, "heights is only for rasters, such as .tif");
-    asset.heights = readHeightOptions(*heights);
-  }
 }
 
 // Returns the cache's entry for a file with these options and rules; adds an empty entry if there is none.
