@@ -215,7 +215,7 @@ class RgbaConverter {
     // Local copies are faster: the compiler must assume that storing a byte changes members.
     const int channels = channels_, alpha = alpha_;
     const std::array<int, 3> colors = colors_;
-    std::uint8_t least = leastAlpha_, greatest = greatestAlpha_;
+    std::uint8_t least = leastAlpha, greatest = greatestAlpha;
     for (std::size_t i = 0; i < count; ++i, pixels += channels, rgba += 4) {
       for (std::size_t c = 0; c < 3; ++c) rgba[c] = pixels[colors[c]];
       rgba[3] = alpha >= 0 ? pixels[alpha] : std::uint8_t{255};
@@ -225,13 +225,11 @@ class RgbaConverter {
         rgba[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(rgba[c]) * factors_[rgba[3]] + 0.5f));
       }
     }
-    leastAlpha_ = least;
-    greatestAlpha_ = greatest;
+    leastAlpha = least;
+    greatestAlpha = greatest;
   }
 
-  // The least and the greatest alpha of all pixels that were converted.
-  std::uint8_t leastAlpha() const { return leastAlpha_; }
-  std::uint8_t greatestAlpha() const { return greatestAlpha_; }
+  std::uint8_t leastAlpha = 255, greatestAlpha = 0;  // of all pixels that were converted
 
  private:
   int channels_;
@@ -239,7 +237,6 @@ class RgbaConverter {
   std::array<int, 3> colors_{0, 0, 0};  // channels of red, green and blue
   bool isMultiplied_;                   // true: the reader's colours are multiplied by alpha
   std::array<float, 256> factors_;      // see divisionByAlpha()
-  std::uint8_t leastAlpha_ = 255, greatestAlpha_ = 0;
 };
 
 // Decodes an image of `fileBytes` bytes. `kindOfBytes`: see kindOf(); if it is empty, the ending of the name tells the
@@ -281,9 +278,9 @@ DecodedImage decode(ImageReader& image, const std::string& kindOfBytes, std::uin
     }
   }
   // BMP and TGA often have an unused fourth channel of zeros: if alpha is 0 everywhere, the image counts as opaque.
-  const bool isOpaque = converter.greatestAlpha() == 0 && (kind == "bmp" || kind == "tga");
+  const bool isOpaque = converter.greatestAlpha == 0 && (kind == "bmp" || kind == "tga");
   for (std::size_t i = 3; isOpaque && i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
-  decoded.hasAlpha = converter.leastAlpha() < 255 && !isOpaque;
+  decoded.hasAlpha = converter.leastAlpha < 255 && !isOpaque;
   LeftOut leftOut;
   for (const std::string& unreadContent : header.leftOut) leftOut.add(unreadContent);
   leftOut.add(kFurtherChannels, static_cast<std::uint64_t>(converter.unusedChannels()));
