@@ -164,9 +164,7 @@ std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double square
   refuseTooMany(copies, scatter.where);
   const auto rounded = static_cast<std::uint64_t>(std::llround(copies));
   if (rounded > 0) return rounded;
-  throw InputError(scatter.where,
-                   "gives {:.2g} copies on {:.4g} square metres: give a higher density, or "
-                   "a count",
+  throw InputError(scatter.where, "gives {:.2g} copies on {:.4g} square metres: give a higher density, or a count",
                    copies, squareMetres);
 }
 

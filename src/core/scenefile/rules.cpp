@@ -197,9 +197,7 @@ Rule readRule(const Value& value) {
   const Value& match = fields.require("match");
   if (match.kind == Value::Kind::Scalar) {
     if (match.text != "any") {
-      throw InputError(match.where,
-                       "match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, "
-                       "found '{}'",
+      throw InputError(match.where, "match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, found '{}'",
                        match.text);
     }
   } else {
