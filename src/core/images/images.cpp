@@ -31,19 +31,14 @@ constexpr int kRowsAtATime = 64;         // rows that are decoded at a time
 
 // Returns the kind of an image ("png", "jpg", ...) by its first bytes; empty if they do not show the kind.
 std::string kindOf(std::string_view bytes) {
-  const auto starts = [&](std::string_view magic, std::size_t offset = 0) {
-    return bytes.size() >= offset && bytes.substr(offset).starts_with(magic);
-  };
-  if (starts("\x89PNG")) return "png";
-  if (starts("\xff\xd8\xff")) return "jpg";
-  if (starts("RIFF") && starts("WEBP", 8)) return "webp";
-  if (starts("BM")) return "bmp";
-  if (starts("GIF8")) return "gif";
-  if (starts("DDS ")) return "dds";
-  if (starts("\x01\xda")) return "sgi";
-  if (starts("\x76\x2f\x31\x01")) return "exr";
-  if (starts(std::string_view("II*\0", 4)) || starts(std::string_view("MM\0*", 4))) return "tif";
-  return {};
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, const char*> kMagics[]{
+      {"\x89PNG", "png"},  {"\xff\xd8\xff", "jpg"},     {"BM", "bmp"},      {"GIF8", "gif"},   {"DDS ", "dds"},
+      {"\x01\xda", "sgi"}, {"\x76\x2f\x31\x01", "exr"}, {"II*\0"sv, "tif"}, {"MM\0*"sv, "tif"}};
+  for (const auto& [magic, kind] : kMagics) {
+    if (bytes.starts_with(magic)) return kind;
+  }
+  return bytes.starts_with("RIFF") && bytes.size() > 8 && bytes.substr(8).starts_with("WEBP") ? "webp" : "";
 }
 
 // True for the kinds that libpng and libjpeg read. OpenImageIO reads all other kinds.
