@@ -16,7 +16,6 @@
 namespace scanmill {
 namespace {
 
-// Drops each triangle of `mesh` whose surface satisfies `condition`.
 void dropTriangles(Mesh& mesh, const std::function<bool(const Surface&)>& condition) {
   std::vector<bool> isDropped;  // by surface
   for (const Surface& surface : mesh.surfaces) isDropped.push_back(condition(surface));

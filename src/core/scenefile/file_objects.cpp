@@ -18,7 +18,6 @@
 namespace scanmill {
 namespace {
 
-// A clip of an animated file.
 struct Clip {
   std::string name;
   std::optional<double> time;  // time (s) at which the clip is frozen; absent: the clip loops

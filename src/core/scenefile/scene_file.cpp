@@ -106,7 +106,6 @@ class PrimitiveObjects {
  public:
   PrimitiveObjects(SceneBuilder& builder, ObjectPlacer& placer) : builder_(builder), placer_(placer) {}
 
-  // Reads an object with the key `primitive` and places its copies.
   void add(Fields& object) {
     const std::string kind = object.choice("primitive", {"box", "sphere", "cylinder", "cone", "plane", "capsule"}, "");
     Mesh mesh;

@@ -39,7 +39,6 @@ std::uint64_t addressSpace() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// Discards what this process prints from now on.
 void discardOutput() {
   const int nullDevice = ::open("/dev/null", O_WRONLY);
   if (nullDevice < 0) return;

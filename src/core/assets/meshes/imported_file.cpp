@@ -79,7 +79,6 @@ class Archive {
     list.resize(count);
   }
 
-  // Writes or reads the bytes of a value.
   void raw(void* value, std::size_t bytes) {
     if (!unread_) {
       written.append(static_cast<const char*>(value), bytes);

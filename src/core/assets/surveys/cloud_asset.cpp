@@ -75,7 +75,6 @@ class CloudAsset {
     for (Vec3f* const p : misses) *p = {NAN, NAN, NAN};
   }
 
-  // Transforms the points by the pose that the file states.
   void applyPose() {
     if (cloud_.worldFromFile == Pose{}) return;
     std::vector<Vec3d> positions;

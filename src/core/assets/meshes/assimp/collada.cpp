@@ -26,7 +26,6 @@ constexpr std::pair<const char*, const char*> kRefused[] = {
     {"//controller/*[//instance_controller]", "convert it to glTF, for example with Blender"},
     {"//instance_image", "export it as COLLADA 1.4.1, or convert it to glTF"}};
 
-// Returns the material of an effect.
 ColladaMaterial materialOf(const pugi::xml_node& effect) {
   const pugi::xml_node common = effect.child("profile_COMMON");
   const pugi::xml_node diffuse = common.select_node(".//diffuse").node();

@@ -162,7 +162,6 @@ class ObjReader {
     }
   }
 
-  // Returns the part of the current object, group and material.
   Part& currentPart() {
     if (currentPart_ != nullptr) return *currentPart_;
     const std::pair<std::string, std::string> names{object_, group_};
@@ -183,7 +182,6 @@ class ObjReader {
     for (const std::string_view name : names) readLibrary(std::string(name));
   }
 
-  // Returns the path of a file that the OBJ names.
   fs::path pathOf(std::string name) const {
     std::replace(name.begin(), name.end(), '\\', '/');
     return fs::absolute(file_).parent_path() / name;
