@@ -32,10 +32,9 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (options.clip && kind != ".gltf" && kind != ".glb") {
     fail("is not glTF: animations are read only from .gltf and .glb, so convert the file");
   }
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) fail("the file does not exist");
-  if (!std::filesystem::is_regular_file(file, error)) fail("is not a file");
-  if (std::filesystem::file_size(file, error) == 0) fail("is empty");
+  if (!pathExists(file)) fail("the file does not exist");
+  if (!isFile(file)) fail("is not a file");
+  if (std::filesystem::file_size(file) == 0) fail("is empty");
 }
 
 // Reads the glTF file `glb`, in metres. Messages call the file `name`. `up`: the up axis of the file; the options can

@@ -154,15 +154,14 @@ Buffer readBuffer(const JsonObject& object, bool allowOutside) {
   } else if (object.json.contains("uri")) {
     buffer.uri = decodeUri(buffer.uri);
     const std::filesystem::path path = object.model.file.parent_path() / buffer.uri;
-    std::error_code error;
-    if (!allowOutside && leadsOutside(buffer.uri) && std::filesystem::exists(path, error)) {
+    if (!allowOutside && leadsOutside(buffer.uri) && pathExists(path)) {
       object.model.fail("{}", refusalOf(buffer.uri));
     }
-    if (!std::filesystem::is_regular_file(path, error)) {
+    if (!isFile(path)) {
       buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
       return buffer;
     }
-    available = std::filesystem::file_size(path, error);
+    available = std::filesystem::file_size(path);
     source = "'" + buffer.uri + "'";
   }
   if (buffer.length > available) {
