@@ -81,11 +81,11 @@ bool isCutOut(const ImportedFile& imported, std::uint32_t material, const Textur
          areas.gone <= kMostGone * areas.all;
 }
 
-// Loads the images of a file's material, and decides whether their alpha is tested. `index`: the material's index.
-BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material, std::uint32_t index,
-                  const AssetOptions& options, ColorImages& images, LeftOut& leftOut) {
+// Loads the images of the material with this index, and decides whether their alpha is tested.
+BaseColor colorOf(ImportedFile& imported, std::uint32_t index, const AssetOptions& options, ColorImages& images) {
   using enum BaseColor::Source;
   using Need = ColorImages::Need;
+  const ImportedMaterial& material = imported.materials[index];
   const std::string& name = material.base.name;
   const ImportedMap& map = material.opacityMap;
   BaseColor color{.source = !name.empty() ? Image : material.stated ? Factor : None, .factor = material.color};
@@ -112,7 +112,7 @@ BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material
     }
   }
   if (map.name == name && color.image && !color.image->hasAlpha) {
-    leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
+    imported.leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
   }
   return color;
 }
@@ -197,16 +197,16 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
   return entry->second;
 }
 
-std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
-                                const AssetOptions& options, LeftOut& leftOut) {
+std::vector<Look> readMaterials(ImportedFile& imported, const std::filesystem::path& file,
+                                const AssetOptions& options) {
   ColorImages images(file, options.allowOutside, options.textureFolders);
   std::vector<Look> looks;
   for (std::uint32_t i = 0; i < imported.materials.size(); ++i) {
-    ImportedMaterial material = imported.materials[i];
-    for (ImportedMap* const map : {&material.base, &material.opacityMap}) {
-      if (map->name == "(null)") *map = {};  // exporters print a missing name so
+    ImportedMaterial& material = imported.materials[i];
+    for (std::string* const name : {&material.base.name, &material.opacityMap.name}) {
+      if (*name == "(null)") name->clear();  // exporters print a missing name so
     }
-    const BaseColor color = colorOf(imported, material, i, options, images, leftOut);
+    const BaseColor color = colorOf(imported, i, options, images);
     Look& look = looks.emplace_back();
     look.material = look.fileMaterial.name = material.name;
     look.fileMaterial.source = "base colour of " + file.filename().string();
@@ -216,7 +216,7 @@ std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesys
     look.color = color.factor;
     setColor(look.fileMaterial, color, file, options, images);
     if (material.opacity < 1 && !look.fileMaterial.alphaTested && options.alpha != AlphaUse::Ignore) {
-      leftOut.add("opacities of materials (they are solid)");
+      imported.leftOut.add("opacities of materials (they are solid)");
     }
   }
   return looks;
