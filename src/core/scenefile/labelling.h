@@ -43,7 +43,7 @@ struct ThingTriangles {
 //   Node    Each node is one thing; nodes are numbered by AssetPart::nodeIndex.
 //   Name    All nodes with the same match are one thing. The match is the text of the regular expression's first group,
 //           or the complete match if the expression has no group. Each node without a match is one thing.
-//   Part    Triangles of one class are grouped into things by their connected parts, see groupIntoThings().
+//   Part    Triangles of one class are grouped by their connected parts: groupIntoThings() in things.cpp.
 //
 // With ThingBounds::byClass, triangles of different classes are different things, even in the same node or match.
 std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
