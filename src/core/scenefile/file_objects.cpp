@@ -252,7 +252,7 @@ void FileObjects::add(Fields& object) {
     }
     const std::shared_ptr<const Animation> animation = meshes_.playing(variants.front(), clip->name, where);
     if (animation->meshes.size() > 1) copies.animation = animation;
-    return placer_.place(std::vector<PlacedMesh>{{animation->meshes.front(), {}, {}}}, name, copies, object.where());
+    return placer_.place(animation->meshes.front(), name, copies, object.where());
   }
   if (clip) variants.front().asset.clip = {clip->name, *clip->time};
   const auto meshesOf = [&](std::size_t variant) -> const std::vector<PlacedMesh>& {

@@ -220,8 +220,8 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
   }
 }
 
-void ObjectPlacer::place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
-                         const Location& where) {
+void ObjectPlacer::place(std::uint32_t mesh, const std::string& name, const Copies& copies, const Location& where) {
+  const std::vector<PlacedMesh> meshes{{mesh, {}, {}}};
   place({1, [&](std::size_t) -> const std::vector<PlacedMesh>& { return meshes; }}, name, copies, where);
 }
 

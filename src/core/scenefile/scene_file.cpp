@@ -127,7 +127,7 @@ void addPrimitive(Fields& object, SceneBuilder& builder, ObjectPlacer& placer,
   mesh.surfaces.push_back(std::move(surface));
   auto meshIndex = meshes.find(key);
   if (meshIndex == meshes.end()) meshIndex = meshes.emplace(key, builder.addMesh(std::move(mesh))).first;
-  placer.place(std::vector<PlacedMesh>{{meshIndex->second, {}, {}}}, name, copies, object.where());
+  placer.place(meshIndex->second, name, copies, object.where());
 }
 
 // Returns the scene's objects with a random value in place of each distribution, and appends these values to `draws`.
