@@ -25,23 +25,16 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError if the file is absent or empty, or if an option is wrong or does not fit the file. In this source
-// file, `kind` is the ending of a file's name in lower case.
+// Throws InputError if the file is absent or empty, or if an option does not fit the file. In this source file, `kind`
+// is the ending of a file's name in lower case.
 void checkRequest(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   const auto fail = [&](const std::string& problem) { throw InputError({file.string()}, problem); };
-  if (!(options.metresPerUnit > 0) || !std::isfinite(options.metresPerUnit)) {
-    fail(fmt::format("metresPerUnit is {}, but must be above 0", options.metresPerUnit));
-  }
-  if (options.up && *options.up != 'x' && *options.up != 'y' && *options.up != 'z') {
-    fail(fmt::format("the up axis is '{}', but must be x, y or z", *options.up));
-  }
   if (options.clip && kind != ".gltf" && kind != ".glb") {
     fail("is not glTF: animations are read only from .gltf and .glb, so convert the file");
   }
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) fail("the file does not exist");
-  if (!std::filesystem::is_regular_file(file, error)) fail("is not a file");
-  if (std::filesystem::file_size(file, error) == 0) fail("is empty");
+  if (!pathExists(file)) fail("the file does not exist");
+  if (!isFile(file)) fail("is not a file");
+  if (std::filesystem::file_size(file) == 0) fail("is empty");
 }
 
 // Reads the glTF file `glb`, in metres. Messages call the file `name`. `up`: the up axis of the file; the options can

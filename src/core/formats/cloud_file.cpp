@@ -54,8 +54,7 @@ bool isCloud(const std::filesystem::path& file) {
   if (suffix == ".las" || suffix == ".laz" || suffix == ".xyz" || isUnreadCloud(suffix)) return true;
   if (suffix == ".asc") return listsPoints(file);
   if (suffix != ".ply") return !suffix.empty() && formatBySuffix(suffix.substr(1)) != nullptr;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0) return false;
+  if (!isFile(file) || std::filesystem::file_size(file) == 0) return false;
   const PlyHeader header = readPlyHeader(file);
   return std::ranges::none_of(
       header.elements, [](const PlyElement& e) { return (e.name == "face" || e.name == "tristrips") && e.count > 0; });

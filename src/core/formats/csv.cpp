@@ -56,7 +56,6 @@ class CsvReader {
   }
 
  private:
-  // Moves the next line from rest_ to line_.
   void nextLine() {
     line_ = takeLine(rest_);
     ++where_.line;
@@ -167,7 +166,6 @@ class CsvReader {
     };
   }
 
-  // Adds a point with the values of cells_.
   void addPoint() {
     cloud_.scan.position.emplace_back();
     if (exact_) exactPositions_.emplace_back();

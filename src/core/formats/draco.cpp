@@ -52,7 +52,6 @@ struct DracoOptions {
   bool time;        // true: the column time is kept
 };
 
-// True if no value is infinite or NaN.
 bool allFinite(std::span<const float> values) {
   // The sum of v * 0 is 0 if all v are finite, otherwise NaN. With several sums the loop can be vectorised.
   float sums[16] = {};

@@ -161,7 +161,6 @@ class CloudReader {
     throw InputError(where_, "{} has {} values a point", name, attribute->num_components());
   }
 
-  // Returns the attribute's name; empty if it has none.
   std::string nameOf(int attribute) const {
     std::string name;
     if (!cloud_.GetMetadata()) return name;

@@ -63,12 +63,12 @@ class LasReader {
       fail(fmt::format("has points of {} bytes; format {} has {}", recordBytes_, format_, kLeastRecord[format_]));
     }
     if (bytes_.size() < at<std::uint16_t>(kHeaderSize)) fail("is truncated: it ends within its header");
-    std::uint64_t points = at<std::uint32_t>(kLegacyPoints);
-    if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) points = at<std::uint64_t>(kPoints);
-    const std::uint64_t first = at<std::uint32_t>(kPointsAt);  // offset of the first point (bytes)
-    if (first > bytes_.size() || points > (bytes_.size() - first) / recordBytes_) {
-      fail(fmt::format("is truncated: it announces {} points of {} bytes and has {} bytes for them", points,
-                       recordBytes_, bytes_.size() - std::min<std::uint64_t>(first, bytes_.size())));
+    points_ = at<std::uint32_t>(kLegacyPoints);
+    if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) points_ = at<std::uint64_t>(kPoints);
+    first_ = at<std::uint32_t>(kPointsAt);
+    if (first_ > bytes_.size() || points_ > (bytes_.size() - first_) / recordBytes_) {
+      fail(fmt::format("is truncated: it announces {} points of {} bytes and has {} bytes for them", points_,
+                       recordBytes_, bytes_.size() - std::min<std::uint64_t>(first_, bytes_.size())));
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       scale_[axis] = at<double>(kScale + 8 * axis);
@@ -77,10 +77,10 @@ class LasReader {
         fail("has scales or offsets of coordinates that are no numbers");
       }
     }
-    readRecords(first);
-    if (unit == CloudUnit::OfFile) applyUnit(first, points);
-    readPoints(first, points);
-    cloud_.leftOut.add("points behind the announced ones", (endOfPoints(first) - first) / recordBytes_ - points);
+    readRecords();
+    if (unit == CloudUnit::OfFile) applyUnit();
+    readPoints();
+    cloud_.leftOut.add("points behind the announced ones", (endOfPoints() - first_) / recordBytes_ - points_);
     return std::move(cloud_);
   }
 
@@ -102,8 +102,8 @@ class LasReader {
   }
 
   // Reads the records between the header and the points and, in LAS 1.4, those behind the points.
-  void readRecords(std::uint64_t points) {
-    readRecordsAt<std::uint16_t>(at<std::uint16_t>(kHeaderSize), points, at<std::uint32_t>(kRecords));
+  void readRecords() {
+    readRecordsAt<std::uint16_t>(at<std::uint16_t>(kHeaderSize), first_, at<std::uint32_t>(kRecords));
     if (at<std::uint8_t>(kMinor) < 4 || at<std::uint16_t>(kHeaderSize) < kPoints) return;
     readRecordsAt<std::uint64_t>(at<std::uint64_t>(kLaterRecordsAt), bytes_.size(), at<std::uint32_t>(kLaterRecords));
   }
@@ -121,12 +121,12 @@ class LasReader {
   }
 
   // Returns the offset (bytes) where the points end at the latest: where the next records begin, or the file's end.
-  std::uint64_t endOfPoints(std::uint64_t first) const {
+  std::uint64_t endOfPoints() const {
     const int minor = at<std::uint8_t>(kMinor);
     std::uint64_t end = bytes_.size();
     for (const std::uint64_t field : {kWaveformsAt, kLaterRecordsAt}) {
       if (minor < (field == kWaveformsAt ? 3 : 4) || at<std::uint16_t>(kHeaderSize) < field + 8) continue;
-      if (const auto begin = at<std::uint64_t>(field); begin >= first) end = std::min(end, begin);
+      if (const auto begin = at<std::uint64_t>(field); begin >= first_) end = std::min(end, begin);
     }
     return end;
   }
@@ -171,14 +171,13 @@ class LasReader {
   }
 
   // Sets metres_ and Cloud::system from the coordinate system at the first point, and warns if the system cannot be
-  // read, is not in metres or stretches lengths. Throws InputError if coordinates are not lengths. `first`: offset of
-  // the first point (bytes).
-  void applyUnit(std::uint64_t first, std::uint64_t points) {
+  // read, is not in metres or stretches lengths. Throws InputError if coordinates are not lengths.
+  void applyUnit() {
     if (wkt_.empty() && geoKeys_.empty()) return;
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
     std::string description;
     // metres_ is still 1, so the position is in the file's own units, as readSystem() needs.
-    const CoordinateSystem system = readSystem(byWkt, points == 0 ? Vec3d{} : positionAt(first), description);
+    const CoordinateSystem system = readSystem(byWkt, points_ == 0 ? Vec3d{} : positionAt(first_), description);
     constexpr const char* kReproject =
         "reproject it, by `pdal translate a.las b.las reprojection --filters.reprojection.out_srs=EPSG:32632` with the "
         "zone of the place";
@@ -212,24 +211,23 @@ class LasReader {
   }
 
   // Returns the offset (bytes) of the record of each point that is not marked as withheld.
-  std::vector<std::uint64_t> recordsOf(std::uint64_t first, std::uint64_t points) {
+  std::vector<std::uint64_t> recordsOfPoints() {
     std::vector<std::uint64_t> records;
-    records.reserve(points);
-    for (std::uint64_t i = 0; i < points; ++i) {
-      const std::uint64_t record = first + i * recordBytes_;
+    records.reserve(points_);
+    for (std::uint64_t i = 0; i < points_; ++i) {
+      const std::uint64_t record = first_ + i * recordBytes_;
       const bool withheld = hasFlags() && (at<std::uint8_t>(record + 15) & (isModern() ? 0x04 : 0x80)) != 0;
       if (!withheld) records.push_back(record);
     }
-    cloud_.leftOut.add("points marked as withheld", points - records.size());
+    cloud_.leftOut.add("points marked as withheld", points_ - records.size());
     return records;
   }
 
   bool isModern() const { return format_ >= 6; }                  // formats of LAS 1.4
   bool hasFlags() const { return at<std::uint8_t>(kMinor) > 0; }  // LAS 1.0 has classes of 8 bits and no flags
 
-  // Reads `points` points with their columns. `first`: offset of the first point's record (bytes).
-  void readPoints(std::uint64_t first, std::uint64_t points) {
-    const std::vector<std::uint64_t> records = recordsOf(first, points);
+  void readPoints() {
+    const std::vector<std::uint64_t> records = recordsOfPoints();
     if (!records.empty()) cloud_.origin = cloudOrigin(positionAt(records.front()));
     Scan& scan = cloud_.scan;
     std::vector<std::uint16_t> labels;
@@ -257,11 +255,9 @@ class LasReader {
 
   // Sets the column `intensity` to the exact intensities that our exports have as extra bytes, else to `intensities`.
   void chooseIntensities(std::vector<float> intensities) {
-    for (ForeignColumn& column : cloud_.scan.foreign) {
-      if (column.name != kLasExactIntensity) continue;
-      column.name = kIntensity.row.name;
-      return;
-    }
+    std::vector<ForeignColumn>& foreign = cloud_.scan.foreign;
+    const auto exact = std::ranges::find(foreign, kLasExactIntensity, &ForeignColumn::name);
+    if (exact != foreign.end()) return void(exact->name = kIntensity.row.name);
     cloud_.scan[kIntensity] = std::move(intensities);
     cloud_.scan.columnsIfEmpty.add(kIntensity.index);
   }
@@ -338,7 +334,8 @@ class LasReader {
   std::string_view bytes_;
   Location where_;
   std::uint8_t format_ = 0;
-  std::uint64_t recordBytes_ = 0;  // size of a point (bytes)
+  std::uint64_t recordBytes_ = 0;         // size of a point (bytes)
+  std::uint64_t first_ = 0, points_ = 0;  // offset of the first point (bytes), number of points
   std::array<double, 3> scale_{}, offset_{}, metres_{1, 1, 1};
   std::string_view wkt_, geoKeys_, geoNumbers_, geoTexts_;  // records of the coordinate system
   std::string_view described_;                              // descriptions of the extra bytes that are not read yet

@@ -43,7 +43,6 @@ struct PcdHeader {
   bool organised = false;
   Pose worldFromFile;
 
-  // Sets the offsets of the fields, and the size of a row.
   void setOffsets() {
     rowBytes = 0;
     for (PcdField& field : fields) {

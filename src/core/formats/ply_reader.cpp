@@ -116,8 +116,7 @@ class PlyReader {
 const FormatSupport kPlyCloudFormat{
     "PLY of points",
     ".ply without faces",
-    "Points, whose properties are the columns of point clouds. Empty elements and the camera of MeshLab change "
-    "nothing",
+    "Points, whose properties are the columns of point clouds. Empty elements and the camera of MeshLab change nothing",
     "lists at vertices; bytes behind the stated contents",
     {.read = {"vertex"}, .unused = {"face tristrips camera"}, .leftOut = {{"edge", "elements 'edge'"}}}};
 

@@ -94,7 +94,6 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   return rings;
 }
 
-// Throws InputError unless there are as many labels as points.
 void requireOneEach(std::size_t labels, const Scan& scan, const std::string& what) {
   if (labels != scan.size()) {
     throw InputError({what}, "has {} labels; its scan has {} points", labels, scan.size());

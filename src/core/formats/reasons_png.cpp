@@ -11,20 +11,6 @@
 
 namespace scanmill {
 
-namespace {
-
-constexpr std::size_t kMostReason = 31;  // largest value with an entry in the palette
-
-std::array<std::uint8_t, 3 * (kMostReason + 1)> palette() {
-  std::array<std::uint8_t, 3 * (kMostReason + 1)> colors{};
-  for (const ReasonEntry& row : reasons()) {
-    std::ranges::copy(row.color, colors.begin() + 3 * static_cast<std::ptrdiff_t>(row.reason));
-  }
-  return colors;
-}
-
-}  // namespace
-
 std::string encodeReasons(const std::vector<std::uint8_t>& reasonOfBeam, std::uint32_t rings, std::uint32_t columns) {
   if (reasonOfBeam.size() != std::size_t{rings} * columns) {
     throw Error("{} reasons for {} x {} beams", reasonOfBeam.size(), rings, columns);
@@ -34,8 +20,10 @@ std::string encodeReasons(const std::vector<std::uint8_t>& reasonOfBeam, std::ui
   image.width = columns;
   image.height = rings;
   image.format = PNG_FORMAT_RGB_COLORMAP;
+  constexpr std::size_t kMostReason = 31;  // largest value with an entry in the palette
   image.colormap_entries = kMostReason + 1;
-  const auto colors = palette();
+  std::array<std::array<std::uint8_t, 3>, kMostReason + 1> colors{};
+  for (const ReasonEntry& row : reasons()) colors[static_cast<std::size_t>(row.reason)] = row.color;
   std::string bytes(mostReasonsBytes(rings, columns), '\0');
   png_alloc_size_t size = bytes.size();
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, reasonOfBeam.data(), 0, colors.data()) == 0) {

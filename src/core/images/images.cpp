@@ -31,19 +31,14 @@ constexpr int kRowsAtATime = 64;         // rows that are decoded at a time
 
 // Returns the kind of an image ("png", "jpg", ...) by its first bytes; empty if they do not show the kind.
 std::string kindOf(std::string_view bytes) {
-  const auto starts = [&](std::string_view magic, std::size_t offset = 0) {
-    return bytes.size() >= offset && bytes.substr(offset).starts_with(magic);
-  };
-  if (starts("\x89PNG")) return "png";
-  if (starts("\xff\xd8\xff")) return "jpg";
-  if (starts("RIFF") && starts("WEBP", 8)) return "webp";
-  if (starts("BM")) return "bmp";
-  if (starts("GIF8")) return "gif";
-  if (starts("DDS ")) return "dds";
-  if (starts("\x01\xda")) return "sgi";
-  if (starts("\x76\x2f\x31\x01")) return "exr";
-  if (starts(std::string_view("II*\0", 4)) || starts(std::string_view("MM\0*", 4))) return "tif";
-  return {};
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, const char*> kMagics[]{
+      {"\x89PNG", "png"},  {"\xff\xd8\xff", "jpg"},     {"BM", "bmp"},      {"GIF8", "gif"},   {"DDS ", "dds"},
+      {"\x01\xda", "sgi"}, {"\x76\x2f\x31\x01", "exr"}, {"II*\0"sv, "tif"}, {"MM\0*"sv, "tif"}};
+  for (const auto& [magic, kind] : kMagics) {
+    if (bytes.starts_with(magic)) return kind;
+  }
+  return bytes.starts_with("RIFF") && bytes.size() > 8 && bytes.substr(8).starts_with("WEBP") ? "webp" : "";
 }
 
 // True for the kinds that libpng and libjpeg read. OpenImageIO reads all other kinds.
@@ -215,7 +210,7 @@ class RgbaConverter {
     // Local copies are faster: the compiler must assume that storing a byte changes members.
     const int channels = channels_, alpha = alpha_;
     const std::array<int, 3> colors = colors_;
-    std::uint8_t least = leastAlpha_, greatest = greatestAlpha_;
+    std::uint8_t least = leastAlpha, greatest = greatestAlpha;
     for (std::size_t i = 0; i < count; ++i, pixels += channels, rgba += 4) {
       for (std::size_t c = 0; c < 3; ++c) rgba[c] = pixels[colors[c]];
       rgba[3] = alpha >= 0 ? pixels[alpha] : std::uint8_t{255};
@@ -225,13 +220,11 @@ class RgbaConverter {
         rgba[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(rgba[c]) * factors_[rgba[3]] + 0.5f));
       }
     }
-    leastAlpha_ = least;
-    greatestAlpha_ = greatest;
+    leastAlpha = least;
+    greatestAlpha = greatest;
   }
 
-  // The least and the greatest alpha of all pixels that were converted.
-  std::uint8_t leastAlpha() const { return leastAlpha_; }
-  std::uint8_t greatestAlpha() const { return greatestAlpha_; }
+  std::uint8_t leastAlpha = 255, greatestAlpha = 0;  // of all pixels that were converted
 
  private:
   int channels_;
@@ -239,7 +232,6 @@ class RgbaConverter {
   std::array<int, 3> colors_{0, 0, 0};  // channels of red, green and blue
   bool isMultiplied_;                   // true: the reader's colours are multiplied by alpha
   std::array<float, 256> factors_;      // see divisionByAlpha()
-  std::uint8_t leastAlpha_ = 255, greatestAlpha_ = 0;
 };
 
 // Decodes an image of `fileBytes` bytes. `kindOfBytes`: see kindOf(); if it is empty, the ending of the name tells the
@@ -281,9 +273,9 @@ DecodedImage decode(ImageReader& image, const std::string& kindOfBytes, std::uin
     }
   }
   // BMP and TGA often have an unused fourth channel of zeros: if alpha is 0 everywhere, the image counts as opaque.
-  const bool isOpaque = converter.greatestAlpha() == 0 && (kind == "bmp" || kind == "tga");
+  const bool isOpaque = converter.greatestAlpha == 0 && (kind == "bmp" || kind == "tga");
   for (std::size_t i = 3; isOpaque && i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
-  decoded.hasAlpha = converter.leastAlpha() < 255 && !isOpaque;
+  decoded.hasAlpha = converter.leastAlpha < 255 && !isOpaque;
   LeftOut leftOut;
   for (const std::string& unreadContent : header.leftOut) leftOut.add(unreadContent);
   leftOut.add(kFurtherChannels, static_cast<std::uint64_t>(converter.unusedChannels()));

@@ -97,7 +97,6 @@ class OpenImageIoReader final : public ImageReader {
     if (!input_->seek_subimage(0, 0)) fail(input_.get());
   }
 
-  // True if colours are multiplied by alpha.
   bool isMultiplied() const {
     if (alphaChannel() < 0 || input_->spec().get_int_attribute("oiio:UnassociatedAlpha", 0) != 0) return false;
     const std::string_view format = input_->format_name();

@@ -67,7 +67,6 @@ void readEsri(const std::string& prj, OGRSpatialReference& reference) {
   CSLDestroy(lines);
 }
 
-// Returns a system without its vertical part.
 OGRSpatialReference horizontalOf(OGRSpatialReference reference) {
   reference.StripVertical();
   return reference;

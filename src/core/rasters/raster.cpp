@@ -356,10 +356,8 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   Raster raster = reducedGrid(header, window, request.every);
   try {
     if (readMeans(*reader, request.band, band.marker, window, factor, raster) && isOfHeights) {
-      warn(
-          "{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py "
-          "-a_nodata -9999'",
-          file.string());
+      warn("{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py -a_nodata -9999'",
+           file.string());
     }
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is damaged: {}", e.what()));

@@ -11,14 +11,6 @@
 #include "base/random.h"
 
 namespace scanmill {
-namespace {
-
-auto fieldsOf(const Material& m) {
-  return std::tie(m.name, m.reflectance, m.roughness, m.metallic, m.retroreflectance, m.transmission, m.index, m.source,
-                  m.variations, m.relief, m.textured, m.texture, m.textureMean, m.alphaTested, m.alphaCutoff);
-}
-
-}  // namespace
 
 SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontology, MaterialLibrary library)
     : library_(std::move(library)) {
@@ -45,9 +37,8 @@ void SceneBuilder::drawReflectances() {
 }
 
 std::uint16_t SceneBuilder::addMaterial(const Material& material) {
-  for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
-    if (fieldsOf(scene_.materials[i]) == fieldsOf(material)) return static_cast<std::uint16_t>(i);
-  }
+  const auto same = std::ranges::find(scene_.materials, material);
+  if (same != scene_.materials.end()) return static_cast<std::uint16_t>(same - scene_.materials.begin());
   if (scene_.materials.size() > std::numeric_limits<std::uint16_t>::max()) {
     throw InputError("the scene has more than 65536 materials: merge them with rules that name a material");
   }

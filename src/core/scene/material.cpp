@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 
 #include "config/fields.h"
 #include "config/resources.h"
@@ -44,11 +43,13 @@ void readRange(Fields& fields, float reflectanceAt905nm, Material& material) {
   material.greatest = std::min(1.0f, static_cast<float>(material.reflectance * limits[1] / reflectanceAt905nm));
 }
 
-// Returns the items of `list`, maps such as `example`; none if `list` is null. `read` reads the value beside `size_m`.
+// Returns the items of the list under a key, maps such as `example`; none if the key is absent. Beside `size_m`, each
+// map has a number from 0 to `most` under `valueKey`.
 template <class Item>
-std::vector<Item> readSizes(const Value* list, std::string_view key, std::size_t mostItems, std::string_view example,
-                            const std::function<double(Fields&)>& read) {
+std::vector<Item> readSizes(const Fields& material, std::string_view key, std::size_t mostItems,
+                            std::string_view example, std::string_view valueKey, double most) {
   std::vector<Item> items;
+  const Value* const list = material.find(key);
   if (list == nullptr) return items;
   if (list->kind != Value::Kind::Sequence || list->items.size() > mostItems) {
     throw InputError(list->where, "{} must be a list of at most {} maps such as {}", key, mostItems, example);
@@ -56,7 +57,7 @@ std::vector<Item> readSizes(const Value* list, std::string_view key, std::size_t
   for (const Value& value : list->items) {
     Fields fields(value, std::string(key));
     const auto size = static_cast<float>(fields.number("size_m", {0.001, 1000}));
-    items.push_back({size, static_cast<float>(read(fields))});
+    items.push_back({size, static_cast<float>(fields.number(valueKey, {0, most}))});
     fields.finish();
   }
   return items;
@@ -96,14 +97,9 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     material.transmission = static_cast<float>(fields.number("transmission", {0, 1}, 0));
     material.index = static_cast<float>(fields.number("index", {1, 4}, 1.52));
     material.textured = fields.boolean("textured", false);
-    material.variations = readSizes<Variation>(fields.find("variations"), "variations", kMostVariations,
-                                               "{size_m: 2, contrast: 0.15}", [](Fields& variation) {
-                                                 return variation.number("contrast", {0, 2});
-                                               });
-    material.relief = readSizes<Relief>(fields.find("relief"), "relief", kMostReliefs, "{size_m: 0.1, height_m: 0.02}",
-                                        [](Fields& relief) {
-                                          return relief.number("height_m", {0, 1});
-                                        });
+    material.variations =
+        readSizes<Variation>(fields, "variations", kMostVariations, "{size_m: 2, contrast: 0.15}", "contrast", 2);
+    material.relief = readSizes<Relief>(fields, "relief", kMostReliefs, "{size_m: 0.1, height_m: 0.02}", "height_m", 1);
     fields.finish();
     if (std::ranges::find(library.materials, material.name, &Material::name) != library.materials.end()) {
       throw InputError(item.where, "material '{}' is there twice", material.name);

@@ -69,6 +69,7 @@ struct Material {
   float textureMean = 1.0f;                          // mean linear luminance of the texture
   bool alphaTested = false;                          // true: beams pass texels with alpha below alphaCutoff
   float alphaCutoff = 0.5f;
+  bool operator==(const Material&) const = default;
 };
 
 // The materials of a table such as labels/materials.yaml. require() returns the material called `name`. If there is

@@ -32,12 +32,11 @@ std::array<std::uint8_t, 3> readColor(const Value& value) {
 // Reads a class, except `moving_of`, which needs the other classes.
 SemanticClass readClass(const Value& value) {
   Fields fields(value, "class");
-  SemanticClass c;
-  c.id = static_cast<std::uint16_t>(fields.integer("id", 0, 65535));
-  c.name = fields.text("name");
-  c.color = readColor(fields.require("color"));
-  c.thing = fields.boolean("thing", false);
-  c.aliases = fields.texts("aliases");
+  SemanticClass c{.id = static_cast<std::uint16_t>(fields.integer("id", 0, 65535)),
+                  .name = fields.text("name"),
+                  .color = readColor(fields.require("color")),
+                  .thing = fields.boolean("thing", false),
+                  .aliases = fields.texts("aliases")};
   fields.also({"moving_of"}).finish();
   if (c.name.empty()) throw InputError(value.where, "a class has an empty name");
   return c;
@@ -62,8 +61,7 @@ void readMovingOf(const Value& movingOf, Ontology& ontology, std::size_t index) 
   SemanticClass& moving = ontology.classes[index];
   if (!still.thing || !moving.thing || still.id == moving.id) {
     throw InputError(movingOf.where,
-                     "moving_of names the class of the same things while they stand still: both need "
-                     "`thing: true`");
+                     "moving_of names the class of the same things while they stand still: both need `thing: true`");
   }
   const auto other = std::ranges::find(ontology.classes, still.id, &SemanticClass::movingOf);
   if (other != ontology.classes.end()) {

@@ -23,21 +23,6 @@ constexpr double kSteepestGround = kPi / 3;  // rad, largest slope of ground
 // If a ray finds no ground, a second ray is therefore traced, shifted by this distance along x and along y.
 constexpr double kBesideSeam = 1e-3;
 
-// Returns the ground under a point at the height `z` (m): of the surfaces for which `counts` returns true, the highest
-// that is at most kAboveGround above `z`, else the lowest; null if `counts` rejects all. `surfaces`: all surfaces above
-// and below the point, the highest first. `heightOf` returns a surface's height (m).
-template <class Surface, class HeightOf, class Counts>
-const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
-                           const Counts& counts) {
-  const Surface* lowest = nullptr;
-  for (const Surface& s : surfaces) {
-    if (!counts(s)) continue;
-    lowest = &s;
-    if (heightOf(s) <= z + kAboveGround) break;
-  }
-  return lowest;
-}
-
 // Finds surfaces by vertical rays. Each mesh is stored once, even if several instances share it.
 class SurfaceHeights {
  public:
@@ -63,17 +48,20 @@ class SurfaceHeights {
 
   // Returns all surfaces at a point (m, world frame) except vertical ones, the highest first.
   std::vector<Surface> at(double x, double y) const;
-  // Returns groundUnder() of all surfaces that satisfy `condition` and are at most 60 degrees steep, or nothing.
+  // Returns the ground under a position: of the surfaces that satisfy `condition` and are at most 60 degrees steep, the
+  // highest that is at most kAboveGround above the position, else the lowest; nothing if there is no such surface.
   template <class Condition>
   std::optional<Surface> under(const Vec3d& position, const Condition& condition) const {
+    std::optional<Surface> ground;
     for (const double offset : {0.0, kBesideSeam}) {
-      const std::vector<Surface> surfaces = at(position.x + offset, position.y + offset);
-      const Surface* const ground = groundUnder(
-          surfaces, position.z, [](const Surface& s) { return s.height; },
-          [&](const Surface& s) { return s.slope <= kSteepestGround && condition(s); });
-      if (ground != nullptr) return *ground;
+      for (const Surface& s : at(position.x + offset, position.y + offset)) {
+        if (!(s.slope <= kSteepestGround) || !condition(s)) continue;
+        ground = s;
+        if (s.height <= position.z + kAboveGround) break;
+      }
+      if (ground) break;
     }
-    return std::nullopt;
+    return ground;
   }
 
   // The surfaces of given classes that face up, as an area to sample. If no surface faces up, the area has all surfaces

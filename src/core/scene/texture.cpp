@@ -23,14 +23,12 @@ std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& 
     std::uint8_t* const mirrorRow = pixels + (image.height - 1 - row) * rowBytes;
     std::swap_ranges(pixels + row * rowBytes, pixels + (row + 1) * rowBytes, mirrorRow);
   }
-  auto texture = std::make_shared<Texture>();
-  texture->file = name;
-  texture->width = image.width;
-  texture->height = image.height;
-  texture->hasAlpha = image.hasAlpha;
-  texture->linear = image.linear;
-  texture->rgba = std::move(image.rgba);
-  return texture;
+  return std::make_shared<Texture>(Texture{.file = name,
+                                           .width = image.width,
+                                           .height = image.height,
+                                           .hasAlpha = image.hasAlpha,
+                                           .linear = image.linear,
+                                           .rgba = std::move(image.rgba)});
 }
 
 // A texture that some scene may still use.

@@ -45,6 +45,12 @@ Quat rotationOf(const Mat3& linear) {
   return fromMatrix({x, cross(z, x), z});
 }
 
+// Returns the transform from the instance's pose at time 0 to its pose at `time`, in the world's frame.
+Pose motion(const Instance& instance, double time) {
+  if (instance.movement == nullptr) return {};
+  return instance.movement->at(time) * inverse(instance.movement->at(0));
+}
+
 struct ObjectFacts {
   std::uint64_t triangles = 0;  // number of the object's triangles
   std::map<std::uint16_t, std::uint64_t> trianglesByClass;
@@ -205,12 +211,6 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     for (Part& part : parts) builder.addBoxes(worldFromThing, part);
     placed_.push_back({worldFromThing, std::move(parts)});
   }
-}
-
-// Returns the transform from the instance's pose at time 0 to its pose at `time`, in the world's frame.
-Pose ThingBoxes::motion(const Instance& instance, double time) const {
-  if (instance.movement == nullptr) return {};
-  return instance.movement->at(time) * inverse(instance.movement->at(0));
 }
 
 OrientedBox ThingBoxes::at(std::size_t thing, double time) const {

@@ -66,8 +66,6 @@ class ThingBoxes {
 
   class Builder;  // finds the things of a scene and their boxes
 
-  Pose motion(const Instance& instance, double time) const;
-
   const Scene& scene_;
   std::vector<Thing> things_;
   std::vector<Placed> placed_;  // by index in things_

@@ -81,10 +81,8 @@ class ClassAreas {
   std::unordered_map<std::uint64_t, double> furtherAreas_;  // areas of further classes, by voxel << 16 | class
 };
 
-}  // namespace
-
 // An instance that may have triangles in the grid.
-struct SceneVoxels::Candidate {
+struct Candidate {
   struct Block {
     std::uint32_t first = 0;  // index of the first of some consecutive triangles
     std::uint32_t last = 0;   // index of the last of these triangles, plus one
@@ -95,6 +93,38 @@ struct SceneVoxels::Candidate {
   std::vector<std::uint16_t> classOfSurface;  // by index in Mesh::surfaces
   std::vector<Block> blocks = {};
 };
+
+// Labels the voxels of the layers `firstX` to `lastX` - 1 along x, and appends non-empty voxels without a class to
+// `unlabeled`. Adds areas in the order of the triangles, so that sums are always rounded in the same way.
+void labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
+                 std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled) {
+  const VoxelRange range{.low = {firstX, 0, 0}, .high = {lastX, grid.counts[1], grid.counts[2]}};
+  const std::size_t firstVoxel = grid.index(firstX, 0, 0);
+  ClassAreas areas(grid.index(lastX, 0, 0) - firstVoxel);
+  for (const auto& [mesh, voxelsFromMesh, classOfSurface, blocks] : candidates) {
+    for (const Candidate::Block& block : blocks) {
+      if (!overlaps(block.box, range)) continue;
+      for (std::uint32_t t = block.first; t < block.last; ++t) {
+        const std::uint16_t semantic = classOfSurface[mesh.surfaceOf[t]];
+        forEachPiece(cornersOf(voxelsFromMesh, mesh, t), range,
+                     [&](const std::array<std::int64_t, 3>& voxel, double area) {
+                       const auto [x, y, z] = voxel;
+                       areas.add(grid.index(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                                            static_cast<std::uint32_t>(z)) -
+                                     firstVoxel,
+                                 semantic, area);
+                     });
+      }
+    }
+  }
+  const std::vector<std::uint16_t> classes = areas.largestClasses();
+  std::ranges::copy(classes, labels.label.begin() + static_cast<std::ptrdiff_t>(firstVoxel));
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    if (classes[i] == 0 && !areas.empty(i)) unlabeled.push_back(static_cast<std::uint32_t>(firstVoxel + i));
+  }
+}
+
+}  // namespace
 
 SceneVoxels::SceneVoxels(const Scene& scene) : scene_(scene), blocks_(scene.meshes.size()), bounds_(blocks_.size()) {
   parallelForEach(scene.meshes.size(), 1, [&](std::size_t m) {
@@ -135,8 +165,7 @@ std::vector<std::uint16_t> SceneVoxels::classesOf(const Instance& instance, cons
   return classes;
 }
 
-std::vector<SceneVoxels::Candidate> SceneVoxels::candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid,
-                                                              double time) const {
+VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const {
   const VoxelRange gridRange{{0, 0, 0}, {grid.counts[0], grid.counts[1], grid.counts[2]}};
   std::vector<Candidate> candidates;
   for (const Instance& instance : scene_.instances) {
@@ -154,42 +183,6 @@ std::vector<SceneVoxels::Candidate> SceneVoxels::candidatesIn(const VoxelGrid& g
           {static_cast<std::uint32_t>(block * kBlock), static_cast<std::uint32_t>(last), box});
     }
   }
-  return candidates;
-}
-
-// Labels the voxels of the layers `firstX` to `lastX` - 1 along x, and appends non-empty voxels without a class to
-// `unlabeled`. Adds areas in the order of the triangles, so that sums are always rounded in the same way.
-void SceneVoxels::labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
-                              std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled) {
-  const VoxelRange range{.low = {firstX, 0, 0}, .high = {lastX, grid.counts[1], grid.counts[2]}};
-  const std::size_t firstVoxel = grid.index(firstX, 0, 0);
-  ClassAreas areas(grid.index(lastX, 0, 0) - firstVoxel);
-  for (const auto& [mesh, voxelsFromMesh, classOfSurface, blocks] : candidates) {
-    for (const Candidate::Block& block : blocks) {
-      if (!overlaps(block.box, range)) continue;
-      for (std::uint32_t t = block.first; t < block.last; ++t) {
-        std::array<Vec3d, 3> corners;
-        for (std::size_t k = 0; k < 3; ++k) corners[k] = voxelsFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
-        const std::uint16_t semantic = classOfSurface[mesh.surfaceOf[t]];
-        forEachPiece(corners, range, [&](const std::array<std::int64_t, 3>& voxel, double area) {
-          const auto [x, y, z] = voxel;
-          areas.add(
-              grid.index(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)) -
-                  firstVoxel,
-              semantic, area);
-        });
-      }
-    }
-  }
-  const std::vector<std::uint16_t> classes = areas.largestClasses();
-  std::ranges::copy(classes, labels.label.begin() + static_cast<std::ptrdiff_t>(firstVoxel));
-  for (std::size_t i = 0; i < classes.size(); ++i) {
-    if (classes[i] == 0 && !areas.empty(i)) unlabeled.push_back(static_cast<std::uint32_t>(firstVoxel + i));
-  }
-}
-
-VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const {
-  const std::vector<Candidate> candidates = candidatesIn(grid, worldFromGrid, time);
   const std::uint32_t slabs = (grid.counts[0] + kSlab - 1) / kSlab;
   VoxelLabels labels;
   labels.label.resize(grid.voxels());

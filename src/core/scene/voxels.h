@@ -37,12 +37,6 @@ class SceneVoxels {
   std::uint64_t memoryBytes() const;
 
  private:
-  struct Candidate;
-
-  // Returns the instances that may have triangles in the grid at a time (s since the drive began).
-  std::vector<Candidate> candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
-  static void labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
-                          std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled);
   std::vector<std::uint16_t> classesOf(const Instance& instance, const Mesh& mesh) const;
 
   const Scene& scene_;

@@ -16,7 +16,6 @@
 namespace scanmill {
 namespace {
 
-// Drops each triangle of `mesh` whose surface satisfies `condition`.
 void dropTriangles(Mesh& mesh, const std::function<bool(const Surface&)>& condition) {
   std::vector<bool> isDropped;  // by surface
   for (const Surface& surface : mesh.surfaces) isDropped.push_back(condition(surface));
@@ -92,8 +91,7 @@ std::optional<std::uint32_t> idOf(const Value& item) {
   const std::string hint = nearestName.empty() ? "; names and ids stand in the objects of samples (output.objects)"
                                                : fmt::format(" (did you mean '{}'?)", nearestName);
   throw InputError(item.where,
-                   "without: {} is neither a class of the ontology '{}' nor the name of an object "
-                   "of the scene '{}'{}",
+                   "without: {} is neither a class of the ontology '{}' nor the name of an object of the scene '{}'{}",
                    quotedForMessage(item.text), scene.ontology.name, scene.name, hint);
 }
 

@@ -80,9 +80,7 @@ std::vector<Arrangement::Distance> readDistances(const Value& value, const Ontol
   }
   std::vector<Arrangement::Distance> distances;
   for (const auto& [name, limits] : value.entries) {
-    Arrangement::Distance distance;
-    distance.where = limits.where;
-    distance.semantic = ontology.require(name, limits.where).id;
+    Arrangement::Distance distance{.semantic = ontology.require(name, limits.where).id, .where = limits.where};
     constexpr Range kDistances{0, 1000};  // m
     if (limits.kind == Value::Kind::Sequence) {
       const std::vector<double> leastAndMost = readNumbers(limits, "distance_from", kDistances);
@@ -166,9 +164,7 @@ std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double square
   refuseTooMany(copies, scatter.where);
   const auto rounded = static_cast<std::uint64_t>(std::llround(copies));
   if (rounded > 0) return rounded;
-  throw InputError(scatter.where,
-                   "gives {:.2g} copies on {:.4g} square metres: give a higher density, or "
-                   "a count",
+  throw InputError(scatter.where, "gives {:.2g} copies on {:.4g} square metres: give a higher density, or a count",
                    copies, squareMetres);
 }
 
@@ -207,47 +203,9 @@ std::vector<Arrangement::Copy> varied(const Arrangement::Vary& vary, const std::
   return keptCopies;
 }
 
-}  // namespace
-
-Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
-  if (const Value* copies = object.find("copies"); copies != nullptr && copies->kind == Value::Kind::Map) {
-    const Value* const scatter = copies->find("scatter");
-    const Value* const along = copies->find("along");
-    if (scatter != nullptr) scatter_ = readScatter(*scatter, ontology);
-    if (scatter_ && along != nullptr) {
-      throw InputError(along->where, "copies must have either `scatter` or `along`, not both");
-    }
-    if (along != nullptr) along_ = readAlong(*along);
-  }
-  if (const Value* value = object.find("vary")) {
-    Fields fields(*value, "vary");
-    fields.also({"yaw_deg", "scale", "position", "presence", "material"}).finish();
-    materials_ = fields.texts("material");
-    Vary vary;
-    const Range yaw = fields.range("yaw_deg", {-360, 360}).value_or(Range{0, 0});
-    vary.yaw = {radians(yaw.low), radians(yaw.high)};
-    vary.scale = fields.range("scale", {1e-3, 1e3}).value_or(Range{1, 1});
-    vary.position = fields.number("position", {0, 1e5}, 0);
-    vary.presence = fields.number("presence", {0, 1}, 1);
-    if (vary.position > 0 && scatter_ && !object.has("stand_on")) {
-      throw InputError(fields.require("position").where,
-                       "position would move scattered copies off their surface: leave it out, or add stand_on");
-    }
-    vary_ = vary;
-  }
-  if (const Value* value = object.find("stand_on")) {
-    StandOn standOn;
-    standOn.where = value->where;
-    const bool ground = value->kind == Value::Kind::Scalar && value->text == "ground" && !value->quoted;
-    if (!ground) standOn.classes = readClasses(object, "stand_on", ontology);
-    standOn_ = std::move(standOn);
-  }
-}
-
 // Returns poses at random positions on the surfaces of the scatter, with random yaws.
-std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
-                                         std::uint32_t object) const {
-  const Scatter& scatter = *scatter_;
+std::vector<Pose> scattered(const Arrangement::Scatter& scatter, const Scene& scene, const SurfaceHeights& heights,
+                            std::uint64_t seed, std::uint32_t object) {
   const SurfaceHeights::Area area = heights.area(scatter.classes);
   if (area.squareMetres() <= 0) {
     throw InputError(scatter.where,
@@ -287,18 +245,80 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
 
 // Returns poses at equal distances along the path, with the path's heading but without pitch and roll. `heights` may be
 // null unless the path is on roads.
-std::vector<Pose> Arrangement::alongPath(const Scene& scene, const SurfaceHeights* heights) const {
-  const Path path(along_->trip ? findRoadPath(*heights, scene.ontology, *along_->trip) : along_->waypoints);
+std::vector<Pose> alongPath(const Arrangement::Along& along, const Scene& scene, const SurfaceHeights* heights) {
+  const Path path(along.trip ? findRoadPath(*heights, scene.ontology, *along.trip) : along.waypoints);
   constexpr double kRounding = 1 + 1e-12;  // a pose at the path's very end must not be lost by rounding
-  const double count = std::floor(path.length() / along_->interval * kRounding) + 1;
-  refuseTooMany(count, along_->where);
+  const double count = std::floor(path.length() / along.interval * kRounding) + 1;
+  refuseTooMany(count, along.where);
   std::vector<Pose> poses;
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {
-    const Pose onPath = path.pose(static_cast<double>(i) * along_->interval);
+    const Pose onPath = path.pose(static_cast<double>(i) * along.interval);
     const Quat level = fromYawPitchRoll(headingOf(onPath.rotation), 0, 0);
-    poses.push_back({level, onPath.translation + toMatrix(level).y * along_->leftOffset});
+    poses.push_back({level, onPath.translation + toMatrix(level).y * along.leftOffset});
   }
   return poses;
+}
+
+// Returns the copies below or above which there is a surface of `stand_on`, each moved vertically so that its lowest
+// point touches the surface. Warns of copies without such a surface; throws InputError if no copy has one.
+std::vector<Arrangement::Copy> stoodOnSurfaces(const Arrangement::StandOn& standOn,
+                                               const std::vector<Arrangement::Copy>& copies,
+                                               const SurfaceHeights& heights, std::uint64_t seed,
+                                               const std::function<double(const Arrangement::Copy&)>& lowestZ) {
+  const std::vector<std::uint16_t>& classes = standOn.classes;
+  const auto carries = [&](const SurfaceHeights::Surface& surface) {
+    return classes.empty() ? !surface.thing : std::ranges::find(classes, surface.semantic) != classes.end();
+  };
+  std::vector<Arrangement::Copy> standing;
+  std::optional<Vec3d> firstWithoutGround;  // position of the first copy without a surface
+  for (Arrangement::Copy copy : copies) {
+    Vec3d& position = copy.worldFromMesh.translation;
+    if (const auto ground = heights.under(position, carries)) {
+      position.z += ground->height - lowestZ(copy);
+      standing.push_back(copy);
+    } else if (!firstWithoutGround) {
+      firstWithoutGround = position;
+    }
+  }
+  if (!firstWithoutGround) return standing;
+  const std::string reason = fmt::format(
+      "no surface to stand on at [{:.6g}, {:.6g}]: earlier objects of the list have no surface there {}that is less "
+      "than 60 degrees steep (later objects are placed afterwards)",
+      firstWithoutGround->x, firstWithoutGround->y, classes.empty() ? "" : "of these classes ");
+  if (standing.empty()) throw InputError(standOn.where, reason);
+  warn("{}: left out {} of {} copies with the seed {}: {}", standOn.where.text(), copies.size() - standing.size(),
+       copies.size(), seed, reason);
+  return standing;
+}
+
+}  // namespace
+
+Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
+  if (const Value* copies = object.find("copies"); copies != nullptr && copies->kind == Value::Kind::Map) {
+    if (const Value* scatter = copies->find("scatter")) scatter_ = readScatter(*scatter, ontology);
+    if (const Value* along = copies->find("along")) {
+      if (scatter_) throw InputError(along->where, "copies must have either `scatter` or `along`, not both");
+      along_ = readAlong(*along);
+    }
+  }
+  if (const Value* value = object.find("vary")) {
+    Fields fields(*value, "vary");
+    fields.also({"yaw_deg", "scale", "position", "presence", "material"}).finish();
+    materials_ = fields.texts("material");
+    const Range yaw = fields.range("yaw_deg", {-360, 360}).value_or(Range{0, 0});
+    vary_ = Vary{.yaw = {radians(yaw.low), radians(yaw.high)},
+                 .scale = fields.range("scale", {1e-3, 1e3}).value_or(Range{1, 1}),
+                 .position = fields.number("position", {0, 1e5}, 0),
+                 .presence = fields.number("presence", {0, 1}, 1)};
+    if (vary_->position > 0 && scatter_ && !object.has("stand_on")) {
+      throw InputError(fields.require("position").where,
+                       "position would move scattered copies off their surface: leave it out, or add stand_on");
+    }
+  }
+  if (const Value* value = object.find("stand_on")) {
+    const bool ground = value->kind == Value::Kind::Scalar && value->text == "ground" && !value->quoted;
+    standOn_ = StandOn{ground ? std::vector<std::uint16_t>() : readClasses(object, "stand_on", ontology), value->where};
+  }
 }
 
 std::vector<Arrangement::Copy> Arrangement::copies(const Placement& placement, const Scene& scene,
@@ -306,8 +326,8 @@ std::vector<Arrangement::Copy> Arrangement::copies(const Placement& placement, c
                                                    std::uint32_t object, std::size_t variants,
                                                    const std::function<double(const Copy&)>& lowestZ) const {
   std::vector<Pose> basePoses{Pose{}};  // `placement` places all its copies at each of these poses
-  if (scatter_) basePoses = scattered(scene, *heights, seed, object);
-  if (along_) basePoses = alongPath(scene, heights);
+  if (scatter_) basePoses = scattered(*scatter_, scene, *heights, seed, object);
+  if (along_) basePoses = alongPath(*along_, scene, heights);
   if (basePoses.size() * placement.count() > Placement::mostCopies()) {
     const Location where = scatter_ ? scatter_->where : along_ ? along_->where : Location{};
     throw InputError(where, "{} places with {} copies each are too many: {}", basePoses.size(), placement.count(),
@@ -322,38 +342,7 @@ std::vector<Arrangement::Copy> Arrangement::copies(const Placement& placement, c
     });
   }
   if (vary_) copies = varied(*vary_, copies, seed, object);
-  return standOn_ ? stoodOnSurfaces(copies, *heights, seed, lowestZ) : copies;
-}
-
-// Returns the copies below or above which there is a surface of `stand_on`, each moved vertically so that its lowest
-// point touches the surface. Warns of copies without such a surface; throws InputError if no copy has one.
-std::vector<Arrangement::Copy> Arrangement::stoodOnSurfaces(const std::vector<Copy>& copies,
-                                                            const SurfaceHeights& heights, std::uint64_t seed,
-                                                            const std::function<double(const Copy&)>& lowestZ) const {
-  const std::vector<std::uint16_t>& classes = standOn_->classes;
-  const auto carries = [&](const SurfaceHeights::Surface& surface) {
-    return classes.empty() ? !surface.thing : std::ranges::find(classes, surface.semantic) != classes.end();
-  };
-  std::vector<Copy> standing;
-  std::optional<Vec3d> firstWithoutGround;  // position of the first copy without a surface
-  for (Copy copy : copies) {
-    Vec3d& position = copy.worldFromMesh.translation;
-    if (const auto ground = heights.under(position, carries)) {
-      position.z += ground->height - lowestZ(copy);
-      standing.push_back(copy);
-    } else if (!firstWithoutGround) {
-      firstWithoutGround = position;
-    }
-  }
-  if (!firstWithoutGround) return standing;
-  const std::string reason = fmt::format(
-      "no surface to stand on at [{:.6g}, {:.6g}]: earlier objects of the list have no surface there {}that is less "
-      "than 60 degrees steep (later objects are placed afterwards)",
-      firstWithoutGround->x, firstWithoutGround->y, classes.empty() ? "" : "of these classes ");
-  if (standing.empty()) throw InputError(standOn_->where, reason);
-  warn("{}: left out {} of {} copies with the seed {}: {}", standOn_->where.text(), copies.size() - standing.size(),
-       copies.size(), seed, reason);
-  return standing;
+  return standOn_ ? stoodOnSurfaces(*standOn_, copies, *heights, seed, lowestZ) : copies;
 }
 
 }  // namespace scanmill

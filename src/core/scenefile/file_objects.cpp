@@ -18,7 +18,6 @@
 namespace scanmill {
 namespace {
 
-// A clip of an animated file.
 struct Clip {
   std::string name;
   std::optional<double> time;  // time (s) at which the clip is frozen; absent: the clip loops
@@ -76,6 +75,24 @@ HeightOptions readHeightOptions(const Value& value) {
   options.classes = fields.optionalPath("classes").value_or("");
   options.image = fields.optionalPath("image").value_or("");
   return options;
+}
+
+// Reads the keys `points` (for point clouds) and `heights` (for height rasters) of an object into `asset`, if present.
+// Throws InputError for an invalid value, and for a key that does not fit the kind of the file.
+void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetOptions& asset) {
+  const bool cloud = isCloud(file);
+  if (const Value* points = object.find("points")) {
+    if (!cloud)
+      throw InputError(
+          points->where,
+          "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, .asc of points, and .ply without faces");
+    asset.points = readPointOptions(*points);
+  }
+  if (const Value* heights = object.find("heights")) {
+    if (cloud || readerOf(file) != AssetReader::Heights)
+      throw InputError(heights->where, "heights is only for rasters, such as .tif");
+    asset.heights = readHeightOptions(*heights);
+  }
 }
 
 }  // namespace
@@ -235,7 +252,7 @@ void FileObjects::add(Fields& object) {
     }
     const std::shared_ptr<const Animation> animation = meshes_.playing(variants.front(), clip->name, where);
     if (animation->meshes.size() > 1) copies.animation = animation;
-    return placer_.place(std::vector<PlacedMesh>{{animation->meshes.front(), {}, {}}}, name, copies, object.where());
+    return placer_.place(animation->meshes.front(), name, copies, object.where());
   }
   if (clip) variants.front().asset.clip = {clip->name, *clip->time};
   const auto meshesOf = [&](std::size_t variant) -> const std::vector<PlacedMesh>& {
@@ -243,22 +260,6 @@ void FileObjects::add(Fields& object) {
   };
   placer_.place(Variants{variants.size(), meshesOf}, name, copies, object.where());
   meshes_.compareSurveys(variants.front(), copies.placement.object.pose.translation, where);
-}
-
-void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetOptions& asset) {
-  const bool cloud = isCloud(file);
-  if (const Value* points = object.find("points")) {
-    if (!cloud)
-      throw InputError(
-          points->where,
-          "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, .asc of points, and .ply without faces");
-    asset.points = readPointOptions(*points);
-  }
-  if (const Value* heights = object.find("heights")) {
-    if (cloud || readerOf(file) != AssetReader::Heights)
-      throw InputError(heights->where, "heights is only for rasters, such as .tif");
-    asset.heights = readHeightOptions(*heights);
-  }
 }
 
 // Returns the cache's entry for a file with these options and rules; adds an empty entry if there is none.

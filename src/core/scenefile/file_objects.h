@@ -33,10 +33,6 @@ struct LabelledFile {
   Labelling labelling;
 };
 
-// Reads the keys `points` (for point clouds) and `heights` (for height rasters) of an object into `asset`, if present.
-// Throws InputError for an invalid value, and for a key that does not fit the kind of the file.
-void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetOptions& asset);
-
 // Loads each combination of file, options and rules once: objects with the same combination share their meshes.
 class FileMeshes {
  public:

@@ -43,7 +43,7 @@ struct ThingTriangles {
 //   Node    Each node is one thing; nodes are numbered by AssetPart::nodeIndex.
 //   Name    All nodes with the same match are one thing. The match is the text of the regular expression's first group,
 //           or the complete match if the expression has no group. Each node without a match is one thing.
-//   Part    Triangles of one class are grouped into things by groupIntoThings().
+//   Part    Triangles of one class are grouped by their connected parts: groupIntoThings() in things.cpp.
 //
 // With ThingBounds::byClass, triangles of different classes are different things, even in the same node or match.
 std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
@@ -57,14 +57,6 @@ struct ConnectedParts {
 // Returns the connected parts. Triangles are connected if they have corners at the same position, even in different
 // asset parts. Connected parts are numbered from 0 in the order of their first triangles.
 ConnectedParts connect(const std::vector<const AssetPart*>& parts);
-
-// Groups connected parts into things by their bounds (m). Returns, for each connected part, the number of its thing,
-// from 0 in the order of the connected parts.
-// A part is grouped with a larger part if their boxes are at most 5 cm apart and one of two conditions is true: at
-// least a quarter of the smaller box's footprint (as seen from above) lies within the larger box's footprint, as with
-// the wheels of a car and the tiers of a tree; or the smaller box's diagonal is less than 0.15 times the larger box's
-// diagonal, as with mirrors of a car.
-std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes);
 
 struct Labelling {
   std::vector<Rule> rules;  // the first rule that matches decides

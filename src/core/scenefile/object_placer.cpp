@@ -220,8 +220,8 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
   }
 }
 
-void ObjectPlacer::place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
-                         const Location& where) {
+void ObjectPlacer::place(std::uint32_t mesh, const std::string& name, const Copies& copies, const Location& where) {
+  const std::vector<PlacedMesh> meshes{{mesh, {}, {}}};
   place({1, [&](std::size_t) -> const std::vector<PlacedMesh>& { return meshes; }}, name, copies, where);
 }
 
@@ -241,17 +241,15 @@ std::uint64_t Placement::count() const {
 }
 
 void Placement::forEach(const std::function<void(const Affine&)>& visit) const {
-  const auto visitCell = [&](const Vec3d& cell) {
-    for (const Copy& copy : at) {
-      const Pose worldFromCopy = object.pose * Pose{{}, cell} * copy.pose;
-      const Vec3d scale{object.scale.x * copy.scale.x, object.scale.y * copy.scale.y, object.scale.z * copy.scale.z};
-      visit(toAffine(worldFromCopy) * Affine{Mat3::scale(scale), {}});
-    }
-  };
   for (std::int64_t k = 0; k < gridCount[2]; ++k) {
     for (std::int64_t j = 0; j < gridCount[1]; ++j) {
       for (std::int64_t i = 0; i < gridCount[0]; ++i) {
-        visitCell({double(i) * gridSpacing.x, double(j) * gridSpacing.y, double(k) * gridSpacing.z});
+        const Vec3d cell{double(i) * gridSpacing.x, double(j) * gridSpacing.y, double(k) * gridSpacing.z};
+        for (const auto& [pose, scale] : at) {
+          const Affine worldFromCopy = toAffine(object.pose * Pose{{}, cell} * pose);
+          const Vec3d& s = object.scale;
+          visit(worldFromCopy * Affine{Mat3::scale({s.x * scale.x, s.y * scale.y, s.z * scale.z}), {}});
+        }
       }
     }
   }

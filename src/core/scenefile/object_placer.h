@@ -124,12 +124,6 @@ class Arrangement {
                            const std::function<double(const Copy&)>& lowestZ) const;
 
  private:
-  std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
-                              std::uint32_t object) const;
-  std::vector<Pose> alongPath(const Scene& scene, const SurfaceHeights* heights) const;
-  std::vector<Copy> stoodOnSurfaces(const std::vector<Copy>& copies, const SurfaceHeights& heights, std::uint64_t seed,
-                                    const std::function<double(const Copy&)>& lowestZ) const;
-
   std::optional<Scatter> scatter_;
   std::optional<Along> along_;
   std::optional<Vary> vary_;
@@ -170,9 +164,8 @@ class ObjectPlacer {
   // Places all copies, in order, each once for each of its movements. Throws InputError; the error's location is
   // `where` if the scene would have more than mostCopies() placed meshes.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
-  // Places the copies of an object that has a single set of meshes.
-  void place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
-             const Location& where);
+  // Places the copies of an object that has a single mesh.
+  void place(std::uint32_t mesh, const std::string& name, const Copies& copies, const Location& where);
 
  private:
   const SurfaceHeights& surfaces();

@@ -197,9 +197,7 @@ Rule readRule(const Value& value) {
   const Value& match = fields.require("match");
   if (match.kind == Value::Kind::Scalar) {
     if (match.text != "any") {
-      throw InputError(match.where,
-                       "match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, "
-                       "found '{}'",
+      throw InputError(match.where, "match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, found '{}'",
                        match.text);
     }
   } else {
@@ -282,17 +280,11 @@ bool matchesNames(const Rule& rule, const Names& names) {
   const auto matchesName = [&](const std::string& pattern, std::string_view text) {
     return pattern.empty() || matches(pattern, text, rule.where);
   };
-  const auto matchesTexture = [&] {
-    if (rule.texture.empty()) return true;
-    if (isRegex(rule.texture) || rule.texture.find('/') != std::string::npos) {
-      std::string path(names.texture);
-      std::ranges::replace(path, '\\', '/');
-      return matches(rule.texture, path, rule.where);
-    }
-    return matches(rule.texture, textureName(names.texture), rule.where);
-  };
-  return matchesName(rule.node, names.node) && matchesName(rule.material, names.material) && matchesTexture() &&
-         matchesName(rule.file, names.file);
+  std::string path(names.texture);
+  std::ranges::replace(path, '\\', '/');
+  const bool testsPath = isRegex(rule.texture) || rule.texture.find('/') != std::string::npos;
+  return matchesName(rule.node, names.node) && matchesName(rule.material, names.material) &&
+         matchesName(rule.texture, testsPath ? path : textureName(path)) && matchesName(rule.file, names.file);
 }
 
 bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {

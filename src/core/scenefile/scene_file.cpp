@@ -101,44 +101,34 @@ std::string appendPrimitive(Fields& object, const std::string& kind, Mesh& mesh)
   return fmt::format("{} {} {} {}", kind, radius, height, segments);
 }
 
-// Adds the objects with the key `primitive`. Equal shapes of one class and material share a mesh.
-class PrimitiveObjects {
- public:
-  PrimitiveObjects(SceneBuilder& builder, ObjectPlacer& placer) : builder_(builder), placer_(placer) {}
-
-  // Reads an object with the key `primitive` and places its copies.
-  void add(Fields& object) {
-    const std::string kind = object.choice("primitive", {"box", "sphere", "cylinder", "cone", "plane", "capsule"}, "");
-    Mesh mesh;
-    mesh.name = kind;
-    const std::string shape = appendPrimitive(object, kind, mesh);
-    const Value& className = object.require("class");
-    const Value& materialName = object.require("material");
-    Surface surface;
-    const SemanticClass& semantic = requireClass(builder_.ontology(), object.text("class"), className.where);
-    surface.semantic = semantic.id;
-    surface.object = semantic.thing ? 1 : 0;
-    surface.material = builder_.material(object.text("material"), materialName.where);
-    surface.labelledBy = className.where;
-    const std::string name = object.text("name", kind);
-    const Copies copies = placer_.read(object);
-    if (!copies.arrangement.materials().empty()) {
-      throw InputError(object.require("vary").where, "the key `material` of `vary` is only for objects that are files");
-    }
-    object.finish();
-
-    const std::string key = fmt::format("primitive {} {} {}", shape, surface.semantic, surface.material);
-    mesh.surfaces.push_back(std::move(surface));
-    auto meshIndex = meshes_.find(key);
-    if (meshIndex == meshes_.end()) meshIndex = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
-    placer_.place(std::vector<PlacedMesh>{{meshIndex->second, {}, {}}}, name, copies, object.where());
+// Reads an object with the key `primitive` and places its copies. Equal shapes of one class and material share a mesh.
+// `meshes`: the meshes of the primitives so far, by shape, class and material.
+void addPrimitive(Fields& object, SceneBuilder& builder, ObjectPlacer& placer,
+                  std::map<std::string, std::uint32_t>& meshes) {
+  const std::string kind = object.choice("primitive", {"box", "sphere", "cylinder", "cone", "plane", "capsule"}, "");
+  Mesh mesh;
+  mesh.name = kind;
+  const std::string shape = appendPrimitive(object, kind, mesh);
+  const Value& className = object.require("class");
+  const Value& materialName = object.require("material");
+  const SemanticClass& semantic = requireClass(builder.ontology(), object.text("class"), className.where);
+  Surface surface{.material = builder.material(object.text("material"), materialName.where),
+                  .semantic = semantic.id,
+                  .object = semantic.thing ? 1u : 0u,
+                  .labelledBy = className.where};
+  const std::string name = object.text("name", kind);
+  const Copies copies = placer.read(object);
+  if (!copies.arrangement.materials().empty()) {
+    throw InputError(object.require("vary").where, "the key `material` of `vary` is only for objects that are files");
   }
+  object.finish();
 
- private:
-  SceneBuilder& builder_;
-  ObjectPlacer& placer_;
-  std::map<std::string, std::uint32_t> meshes_;  // by shape, class and material
-};
+  const std::string key = fmt::format("{} {} {}", shape, surface.semantic, surface.material);
+  mesh.surfaces.push_back(std::move(surface));
+  auto meshIndex = meshes.find(key);
+  if (meshIndex == meshes.end()) meshIndex = meshes.emplace(key, builder.addMesh(std::move(mesh))).first;
+  placer.place(meshIndex->second, name, copies, object.where());
+}
 
 // Returns the scene's objects with a random value in place of each distribution, and appends these values to `draws`.
 Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& draws) {
@@ -212,7 +202,7 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options) 
                        readMaterials(materialsFile, options.wavelengthNm));
   ObjectPlacer placer(builder, options.seed);
   FileObjects fileObjects(builder, placer, std::move(rules), assetFolder, options.textures);
-  PrimitiveObjects primitives(builder, placer);
+  std::map<std::string, std::uint32_t> primitiveMeshes;
   // If the scene has a town, all objects have random reflectances, also those listed before the town.
   const bool hasTown = findTown(objects) != nullptr;
   if (hasTown) builder.drawReflectances();
@@ -220,7 +210,7 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options) 
     Fields object(value, "object");
     const std::string kind = kindOf(object);
     if (kind == "file") fileObjects.add(object);
-    if (kind == "primitive") primitives.add(object);
+    if (kind == "primitive") addPrimitive(object, builder, placer, primitiveMeshes);
     if (kind != "town") continue;
     const Affine worldFromTown = readTownPose(object);
     Fields town(object.require("town"), "town");

@@ -18,6 +18,7 @@ namespace scanmill {
 namespace {
 
 using Numbers = std::vector<std::vector<std::uint32_t>>;
+constexpr std::uint32_t kUnnumbered = std::numeric_limits<std::uint32_t>::max();
 
 // Returns the number of each triangle's thing, by part and triangle. Parts with the same key `keyOf(part)`, and the
 // same class if `byClass` is true, are one thing. Things are numbered from 1 in the order of their lowest nodes.
@@ -39,28 +40,6 @@ Numbers numberByKey(const std::vector<ThingTriangles>& parts, bool byClass, cons
   Numbers numbers;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     numbers.emplace_back(parts[i].part->triangles.size(), numberOfKey.at(keys[i]));
-  }
-  return numbers;
-}
-
-// Groups the connected parts of each class into things by groupIntoThings(). Returns the number of each triangle's
-// thing, by part and triangle; things are numbered from 1, in ascending order of their class ids.
-Numbers numberByConnection(const std::vector<ThingTriangles>& parts) {
-  std::map<std::uint16_t, std::vector<std::size_t>> indicesByClass;  // indices of the parts of each class
-  for (std::size_t i = 0; i < parts.size(); ++i) indicesByClass[parts[i].semantic].push_back(i);
-  Numbers numbers(parts.size());
-  std::uint32_t thingsSoFar = 0;
-  for (const auto& [semantic, indices] : indicesByClass) {
-    std::vector<const AssetPart*> partsOfClass;
-    for (const std::size_t i : indices) partsOfClass.push_back(parts[i].part);
-    const ConnectedParts connected = connect(partsOfClass);
-    const std::vector<std::uint32_t> things = groupIntoThings(connected.boxes);
-    for (std::size_t k = 0; k < indices.size(); ++k) {
-      for (const std::uint32_t connectedPart : connected.numbers[k]) {
-        numbers[indices[k]].push_back(thingsSoFar + things[connectedPart] + 1);
-      }
-    }
-    if (!things.empty()) thingsSoFar += *std::ranges::max_element(things) + 1;
   }
   return numbers;
 }
@@ -135,7 +114,75 @@ class BoxGrid {
   std::vector<std::uint32_t> large_;               // numbers of the boxes that cover many cells
 };
 
-constexpr std::uint32_t kUnnumbered = std::numeric_limits<std::uint32_t>::max();
+// Groups connected parts into things by their bounds (m). Returns, for each connected part, the number of its thing,
+// from 0 in the order of the connected parts.
+// A part is grouped with a larger part if their boxes are at most 5 cm apart and one of two conditions is true: at
+// least a quarter of the smaller box's footprint (as seen from above) lies within the larger box's footprint, as with
+// the wheels of a car and the tiers of a tree; or the smaller box's diagonal is less than 0.15 times the larger box's
+// diagonal, as with mirrors of a car.
+std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes) {
+  constexpr double kMostGap = 0.05;        // m, largest distance between the boxes of two parts of a thing
+  constexpr double kLeastShare = 0.25;     // least overlap, as a fraction of the smaller part's footprint
+  constexpr double kSmallDiagonal = 0.15;  // largest diagonal of a small part, as a fraction of the larger part's
+  Box bounds;
+  for (const Box& box : boxes) bounds.add(box);
+  if (bounds.empty()) return std::vector<std::uint32_t>(boxes.size());
+  const auto diagonal = [&](std::uint32_t i) { return boxes[i].empty() ? 0 : length(boxes[i].high - boxes[i].low); };
+  // Larger boxes come first. Boxes of equal size are ordered by position, so that the result does not depend on the
+  // order of the triangles.
+  std::vector<std::uint32_t> bySize(boxes.size());
+  std::iota(bySize.begin(), bySize.end(), 0U);
+  std::ranges::stable_sort(bySize, {}, [&](std::uint32_t i) {
+    const Vec3d& low = boxes[i].low;
+    return std::tuple(-diagonal(i), low.x, low.y, low.z);
+  });
+  // A part joins the main part that covers most of its footprint. A part that no main part suits becomes a main part.
+  std::vector<std::uint32_t> mainPartOf(boxes.size());
+  BoxGrid mainParts(bounds);
+  for (const std::uint32_t i : bySize) {
+    mainPartOf[i] = i;
+    if (boxes[i].empty()) continue;
+    double largestShare = 0;
+    mainParts.forEachNear(boxes[i], kMostGap, [&](std::uint32_t mainPart) {
+      const double share = coveredShare(boxes[i], boxes[mainPart], kMostGap);
+      const bool belongs = share >= kLeastShare || (share > 0 && diagonal(i) < kSmallDiagonal * diagonal(mainPart));
+      if (!belongs || share <= largestShare) return;
+      largestShare = share;
+      mainPartOf[i] = mainPart;
+    });
+    if (mainPartOf[i] == i) mainParts.add(boxes[i], i);
+  }
+  std::vector<std::uint32_t> numberByMainPart(boxes.size(), kUnnumbered);
+  std::vector<std::uint32_t> things;
+  std::uint32_t thingCount = 0;
+  for (const std::uint32_t mainPart : mainPartOf) {
+    if (numberByMainPart[mainPart] == kUnnumbered) numberByMainPart[mainPart] = thingCount++;
+    things.push_back(numberByMainPart[mainPart]);
+  }
+  return things;
+}
+
+// Groups the connected parts of each class into things by groupIntoThings(). Returns the number of each triangle's
+// thing, by part and triangle; things are numbered from 1, in ascending order of their class ids.
+Numbers numberByConnection(const std::vector<ThingTriangles>& parts) {
+  std::map<std::uint16_t, std::vector<std::size_t>> indicesByClass;  // indices of the parts of each class
+  for (std::size_t i = 0; i < parts.size(); ++i) indicesByClass[parts[i].semantic].push_back(i);
+  Numbers numbers(parts.size());
+  std::uint32_t thingsSoFar = 0;
+  for (const auto& [semantic, indices] : indicesByClass) {
+    std::vector<const AssetPart*> partsOfClass;
+    for (const std::size_t i : indices) partsOfClass.push_back(parts[i].part);
+    const ConnectedParts connected = connect(partsOfClass);
+    const std::vector<std::uint32_t> things = groupIntoThings(connected.boxes);
+    for (std::size_t k = 0; k < indices.size(); ++k) {
+      for (const std::uint32_t connectedPart : connected.numbers[k]) {
+        numbers[indices[k]].push_back(thingsSoFar + things[connectedPart] + 1);
+      }
+    }
+    if (!things.empty()) thingsSoFar += *std::ranges::max_element(things) + 1;
+  }
+  return numbers;
+}
 
 // Union-find sets of connected vertices. The vertices of all parts are numbered consecutively. At first, vertices at
 // the same position are connected; a vertex with a NaN or infinite coordinate is connected to no other vertex.
@@ -176,22 +223,15 @@ class VertexSets {
 }  // namespace
 
 ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {
-  ThingBounds bounds;
-  bounds.by = fallback;
+  using enum ThingBounds::By;
+  constexpr std::pair<const char*, ThingBounds::By> kDivisions[]{
+      {"object", Object}, {"node", Node}, {"part", Part}, {"/regular expression/", Name}};
   const Value* const value = object.find("instances");
-  if (value == nullptr) return bounds;
-  bounds.where = value->where;
-  if (value->kind != Value::Kind::Scalar || !isRegex(value->text)) {
-    const std::string division = object.choice("instances", {"object", "node", "part", "/regular expression/"}, "");
-    bounds.by = division == "object" ? ThingBounds::By::Object
-                : division == "node" ? ThingBounds::By::Node
-                                     : ThingBounds::By::Part;
-    return bounds;
-  }
-  bounds.by = ThingBounds::By::Name;
-  bounds.pattern = value->text;
-  matchedText(bounds.pattern, "", bounds.where);  // throws InputError for an invalid pattern
-  return bounds;
+  if (value == nullptr) return {.by = fallback};
+  const bool byName = value->kind == Value::Kind::Scalar && isRegex(value->text);
+  if (!byName) return {.by = namedChoice(object, "instances", kDivisions, fallback).second, .where = value->where};
+  matchedText(value->text, "", value->where);  // throws InputError for an invalid pattern
+  return {.by = Name, .pattern = value->text, .where = value->where};
 }
 
 Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles>& parts) {
@@ -251,48 +291,6 @@ ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
     firstVertex += part->positions.size();
   }
   return connected;
-}
-
-std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes) {
-  constexpr double kMostGap = 0.05;        // m, largest distance between the boxes of two parts of a thing
-  constexpr double kLeastShare = 0.25;     // least overlap, as a fraction of the smaller part's footprint
-  constexpr double kSmallDiagonal = 0.15;  // largest diagonal of a small part, as a fraction of the larger part's
-  Box bounds;
-  for (const Box& box : boxes) bounds.add(box);
-  if (bounds.empty()) return std::vector<std::uint32_t>(boxes.size());
-  const auto diagonal = [&](std::uint32_t i) { return boxes[i].empty() ? 0 : length(boxes[i].high - boxes[i].low); };
-  // Larger boxes come first. Boxes of equal size are ordered by position, so that the result does not depend on the
-  // order of the triangles.
-  std::vector<std::uint32_t> bySize(boxes.size());
-  std::iota(bySize.begin(), bySize.end(), 0U);
-  std::ranges::stable_sort(bySize, {}, [&](std::uint32_t i) {
-    const Vec3d& low = boxes[i].low;
-    return std::tuple(-diagonal(i), low.x, low.y, low.z);
-  });
-  // A part joins the main part that covers most of its footprint. A part that no main part suits becomes a main part.
-  std::vector<std::uint32_t> mainPartOf(boxes.size());
-  BoxGrid mainParts(bounds);
-  for (const std::uint32_t i : bySize) {
-    mainPartOf[i] = i;
-    if (boxes[i].empty()) continue;
-    double largestShare = 0;
-    mainParts.forEachNear(boxes[i], kMostGap, [&](std::uint32_t mainPart) {
-      const double share = coveredShare(boxes[i], boxes[mainPart], kMostGap);
-      const bool belongs = share >= kLeastShare || (share > 0 && diagonal(i) < kSmallDiagonal * diagonal(mainPart));
-      if (!belongs || share <= largestShare) return;
-      largestShare = share;
-      mainPartOf[i] = mainPart;
-    });
-    if (mainPartOf[i] == i) mainParts.add(boxes[i], i);
-  }
-  std::vector<std::uint32_t> numberByMainPart(boxes.size(), kUnnumbered);
-  std::vector<std::uint32_t> things;
-  std::uint32_t thingCount = 0;
-  for (const std::uint32_t mainPart : mainPartOf) {
-    if (numberByMainPart[mainPart] == kUnnumbered) numberByMainPart[mainPart] = thingCount++;
-    things.push_back(numberByMainPart[mainPart]);
-  }
-  return things;
 }
 
 }  // namespace scanmill

@@ -20,19 +20,24 @@ Mat3 assetFromFile(char up, double metresPerUnit) {
   return zUpFrom(up) * Mat3::scale({metresPerUnit, metresPerUnit, metresPerUnit});
 }
 
-Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position) {
-  constexpr std::size_t kFewestSamples = 1000;  // least number of samples, unless `count` is smaller
-  const std::size_t step = std::max<std::size_t>(count / kFewestSamples, 1);
+void placePositions(std::vector<Vec3d>& positions, bool exact, const AssetOptions& options, Asset& asset) {
+  asset.up = options.up.value_or('z');
+  const Mat3 frame = assetFromFile(asset.up, options.metresPerUnit);
+  for (Vec3d& position : positions) position = frame * position;
+  if (!exact) return;
+  constexpr std::size_t kFewestSamples = 1000;  // least number of samples, unless there are fewer positions
+  const std::size_t step = std::max<std::size_t>(positions.size() / kFewestSamples, 1);
   std::vector<Vec3d> samples;
-  for (std::size_t i = 0; i < count; i += step) samples.push_back(position(i));
-  std::erase_if(samples, [](const Vec3d& sample) { return !isFinite(sample); });
-  if (samples.empty()) return {};
+  for (std::size_t i = 0; i < positions.size(); i += step) {
+    if (isFinite(positions[i])) samples.push_back(positions[i]);
+  }
+  if (samples.empty()) return;
   const auto median = [&](double Vec3d::*axis) {
     const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
     std::ranges::nth_element(samples, middle, {}, axis);
     return (*middle).*axis;
   };
-  return cloudOrigin({median(&Vec3d::x), median(&Vec3d::y), median(&Vec3d::z)});
+  asset.origin = cloudOrigin({median(&Vec3d::x), median(&Vec3d::y), median(&Vec3d::z)});
 }
 
 void weld(AssetPart& part) {

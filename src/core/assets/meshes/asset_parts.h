@@ -3,7 +3,6 @@
 // Helpers that the readers of assets share.
 
 #include <cstdint>
-#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -25,10 +24,11 @@ Mat3 zUpFrom(char up);
 // Returns the transform from the coordinates of a file to the asset's frame: metres, z up.
 Mat3 assetFromFile(char up, double metresPerUnit);
 
-// Returns an origin (m) near most of the `count` positions that position(i) returns. Along each axis the origin is the
-// median of at most 2000 of the positions, in whole metres; 0 if the median is small. Outliers hardly move the median.
-// Positions that are not finite are ignored.
-Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position);
+// Transforms the positions of a file that states no up axis to the asset's axes, in metres, and sets Asset::up. If
+// `exact`, the positions have more digits than float32 has: sets Asset::origin to a point near most of them. Along each
+// axis it is the median of at most 2000 of the positions, in whole metres; 0 if the median is small. Outliers hardly
+// move the median. Positions that are not finite are ignored.
+void placePositions(std::vector<Vec3d>& positions, bool exact, const AssetOptions& options, Asset& asset);
 
 // Removes vertices that no triangle of the part uses, and merges bit-identical ones, since some kinds of files have
 // three separate vertices for every triangle. Parts that share vertices already may stay as they are.

@@ -81,11 +81,11 @@ bool isCutOut(const ImportedFile& imported, std::uint32_t material, const Textur
          areas.gone <= kMostGone * areas.all;
 }
 
-// Loads the images of a file's material, and decides whether their alpha is tested. `index`: the material's index.
-BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material, std::uint32_t index,
-                  const AssetOptions& options, ColorImages& images, LeftOut& leftOut) {
+// Loads the images of the material with this index, and decides whether their alpha is tested.
+BaseColor colorOf(ImportedFile& imported, std::uint32_t index, const AssetOptions& options, ColorImages& images) {
   using enum BaseColor::Source;
   using Need = ColorImages::Need;
+  const ImportedMaterial& material = imported.materials[index];
   const std::string& name = material.base.name;
   const ImportedMap& map = material.opacityMap;
   BaseColor color{.source = !name.empty() ? Image : material.stated ? Factor : None, .factor = material.color};
@@ -112,7 +112,7 @@ BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material
     }
   }
   if (map.name == name && color.image && !color.image->hasAlpha) {
-    leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
+    imported.leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
   }
   return color;
 }
@@ -155,9 +155,24 @@ ColorImages::~ColorImages() {
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, Need need,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
-  const auto cached = images_.find({key, need});
-  if (cached != images_.end()) return cached->second;
-  return images_[{key, need}] = read(name, need, embedded);
+  const auto [entry, isNew] = images_.try_emplace({key, need});
+  std::shared_ptr<const Texture>& image = entry->second;
+  if (!isNew) return image;
+  std::filesystem::path path;
+  if (!embedded) {
+    path = findTexture(asset_, name, allowOutside_, folders_);
+    if (path.empty()) missing_.insert(name);
+    if (path.empty() || (need == Need::ImageWithAlpha && !mayHaveAlpha(path))) return nullptr;
+  }
+  try {
+    image = embedded ? embedded() : loadTexture(path);
+    if (need == Need::ImageWithAlpha && !image->hasAlpha) image = nullptr;
+  } catch (const InputLimitError&) {
+    throw;
+  } catch (const InputError& e) {
+    warn("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what());
+  }
+  return image;
 }
 
 std::shared_ptr<const Texture> ColorImages::tinted(const std::shared_ptr<const Texture>& image,
@@ -182,35 +197,16 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
   return entry->second;
 }
 
-std::shared_ptr<const Texture> ColorImages::read(const std::string& name, Need need,
-                                                 const std::function<std::shared_ptr<const Texture>()>& embedded) {
-  std::filesystem::path path;
-  if (!embedded) {
-    path = findTexture(asset_, name, allowOutside_, folders_);
-    if (path.empty()) missing_.insert(name);
-    if (path.empty() || (need == Need::ImageWithAlpha && !mayHaveAlpha(path))) return nullptr;
-  }
-  try {
-    std::shared_ptr<const Texture> texture = embedded ? embedded() : loadTexture(path);
-    return need == Need::ImageWithAlpha && !texture->hasAlpha ? nullptr : texture;
-  } catch (const InputLimitError&) {
-    throw;
-  } catch (const InputError& e) {
-    warn("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what());
-    return nullptr;
-  }
-}
-
-std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
-                                const AssetOptions& options, LeftOut& leftOut) {
+std::vector<Look> readMaterials(ImportedFile& imported, const std::filesystem::path& file,
+                                const AssetOptions& options) {
   ColorImages images(file, options.allowOutside, options.textureFolders);
   std::vector<Look> looks;
   for (std::uint32_t i = 0; i < imported.materials.size(); ++i) {
-    ImportedMaterial material = imported.materials[i];
-    for (ImportedMap* const map : {&material.base, &material.opacityMap}) {
-      if (map->name == "(null)") *map = {};  // exporters print a missing name so
+    ImportedMaterial& material = imported.materials[i];
+    for (std::string* const name : {&material.base.name, &material.opacityMap.name}) {
+      if (*name == "(null)") name->clear();  // exporters print a missing name so
     }
-    const BaseColor color = colorOf(imported, material, i, options, images, leftOut);
+    const BaseColor color = colorOf(imported, i, options, images);
     Look& look = looks.emplace_back();
     look.material = look.fileMaterial.name = material.name;
     look.fileMaterial.source = "base colour of " + file.filename().string();
@@ -220,7 +216,7 @@ std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesys
     look.color = color.factor;
     setColor(look.fileMaterial, color, file, options, images);
     if (material.opacity < 1 && !look.fileMaterial.alphaTested && options.alpha != AlphaUse::Ignore) {
-      leftOut.add("opacities of materials (they are solid)");
+      imported.leftOut.add("opacities of materials (they are solid)");
     }
   }
   return looks;

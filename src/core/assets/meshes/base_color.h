@@ -61,10 +61,6 @@ class ColorImages {
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
-  // Implements load(), without the cache images_.
-  std::shared_ptr<const Texture> read(const std::string& name, Need need,
-                                      const std::function<std::shared_ptr<const Texture>()>& embedded);
-
   std::filesystem::path asset_;
   bool allowOutside_;
   std::vector<std::filesystem::path> folders_;

@@ -35,19 +35,10 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
   if (!isFile(script)) {
     throw Error("{}: is missing: build or install Scanmill again (cmake --install)", script.string());
   }
+  std::vector<std::string> command{blenderProgram().string()};
   // --disable-autoexec: Blender runs no registered scripts or driver expressions of a file.
-  std::vector<std::string> command{blenderProgram().string(),
-                                   "--background",
-                                   "--factory-startup",
-                                   "--disable-autoexec",
-                                   "-noaudio",
-                                   "--python-exit-code",
-                                   "3",
-                                   "--python",
-                                   script.string(),
-                                   "--",
-                                   job,
-                                   folder.string()};
+  command.insert(command.end(), {"--background", "--factory-startup", "--disable-autoexec", "-noaudio",
+                                 "--python-exit-code", "3", "--python", script.string(), "--", job, folder.string()});
   command.insert(command.end(), arguments.begin(), arguments.end());
   return command;
 }

@@ -18,6 +18,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/file.h"
+
 namespace scanmill {
 
 namespace {
@@ -39,7 +41,6 @@ std::uint64_t addressSpace() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// Discards what this process prints from now on.
 void discardOutput() {
   const int nullDevice = ::open("/dev/null", O_WRONLY);
   if (nullDevice < 0) return;
@@ -116,28 +117,24 @@ std::string resultOf(pid_t child, std::string text, std::uint64_t memory, unsign
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error("a pipe cannot be made: {}", std::strerror(errno));
-  const auto [readEnd, writeEnd] = pipe;
-  ::fcntl(writeEnd, F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
+  Descriptor readEnd(pipe[0]);
+  Descriptor writeEnd(pipe[1]);
+  ::fcntl(writeEnd.number, F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
   const std::uint64_t parentSpace = addressSpace();
   const pid_t child = ::fork();
-  if (child < 0) {
-    const int reason = errno;
-    ::close(readEnd);
-    ::close(writeEnd);
-    throw Error("a child process cannot be started: {}", std::strerror(reason));
-  }
+  if (child < 0) throw Error("a child process cannot be started: {}", std::strerror(errno));
   if (child == 0) {
-    ::close(readEnd);
+    readEnd.close();
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     discardOutput();
     setLimit(RLIMIT_CORE, 0);
     setLimit(RLIMIT_AS, parentSpace + memory);
     setLimit(RLIMIT_CPU, seconds);
-    runChild(work, writeEnd);
+    runChild(work, writeEnd.number);
   }
-  ::close(writeEnd);
-  std::string text = readAll(readEnd);
-  ::close(readEnd);
+  writeEnd.close();
+  std::string text = readAll(readEnd.number);
+  readEnd.close();
   return resultOf(child, std::move(text), memory, seconds);
 }
 

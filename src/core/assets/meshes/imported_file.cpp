@@ -79,7 +79,6 @@ class Archive {
     list.resize(count);
   }
 
-  // Writes or reads the bytes of a value.
   void raw(void* value, std::size_t bytes) {
     if (!unread_) {
       written.append(static_cast<const char*>(value), bytes);
@@ -135,7 +134,7 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
   if (!imported.problems.empty()) {
     warn("{}: may be incomplete, since the importer reports: {}", file.string(), fmt::join(imported.problems, "; "));
   }
-  const std::vector<Look> looks = readMaterials(imported, file, options, imported.leftOut);
+  const std::vector<Look> looks = readMaterials(imported, file, options);
   for (AssetPart& part : imported.parts) {
     const bool hasMaterial = part.materialIndex < looks.size();
     if (hasMaterial) static_cast<Look&>(part) = looks[part.materialIndex];

@@ -70,8 +70,7 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
 
 // Returns the looks of the imported file's materials, in the file's order. Warns of missing and broken textures. Throws
 // InputError for a texture outside of the file's folder, unless AssetOptions::allowOutside is set. Adds what is not
-// modelled to `leftOut`.
-std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
-                                const AssetOptions& options, LeftOut& leftOut);
+// modelled to ImportedFile::leftOut.
+std::vector<Look> readMaterials(ImportedFile& imported, const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

@@ -224,12 +224,7 @@ class PlyMeshReader {
   // Gives each part its own vertices. Before this call, the triangles of all parts hold the file's vertex indices, and
   // AssetPart::uvs is empty or has an entry for each corner of the part's triangles.
   void addVerticesToParts() {
-    imported_.up = options_.up.value_or('z');
-    const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
-    for (Vec3d& vertex : vertices_) vertex = frame * vertex;
-    if (hasExactVertices()) {
-      imported_.origin = originNear(vertices_.size(), [this](std::size_t i) { return vertices_[i]; });
-    }
+    placePositions(vertices_, hasExactVertices(), options_, imported_);
     const auto positionOf = [&](const Vec3d& vertex) { return static_cast<Vec3f>(vertex - imported_.origin); };
     for (AssetPart& part : imported_.parts) {
       if (imported_.parts.size() == 1 && part.uvs.empty()) {

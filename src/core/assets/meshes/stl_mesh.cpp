@@ -152,12 +152,8 @@ class StlReader {
 
   // Makes a part of each solid that has triangles.
   void makeParts() {
-    imported_.up = options_.up.value_or('z');
     imported_.materials.emplace_back().stated = false;
-    const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
-    for (Vec3d& corner : corners_) corner = frame * corner;
-    // Only text files gain precision by an origin: binary files have coordinates in float32.
-    if (line_ > 0) imported_.origin = originNear(corners_.size(), [this](std::size_t i) { return corners_[i]; });
+    placePositions(corners_, line_ > 0, options_, imported_);  // binary files have coordinates in float32
     for (std::size_t k = 0; k < solids_.size(); ++k) {
       AssetPart& part = imported_.parts.emplace_back();
       part.node = std::move(solids_[k].name);

@@ -75,7 +75,6 @@ class CloudAsset {
     for (Vec3f* const p : misses) *p = {NAN, NAN, NAN};
   }
 
-  // Transforms the points by the pose that the file states.
   void applyPose() {
     if (cloud_.worldFromFile == Pose{}) return;
     std::vector<Vec3d> positions;
@@ -149,10 +148,8 @@ class CloudAsset {
     cloud_.leftOut.add(fmt::format("columns ({})", fmt::join(names, ", ")), columns);
     cloud_.leftOut.warn(file_.string());
     if (foreign("cosangle") != nullptr) {
-      warn(
-          "{}: if CARLA wrote it, its y axis points to the right, so that the place is mirrored: negate y "
-          "in the file",
-          file_.string());
+      warn("{}: if CARLA wrote it, its y axis points to the right, so that the place is mirrored: negate y in the file",
+           file_.string());
     }
   }
 
@@ -354,10 +351,8 @@ class CloudAsset {
     if (greatest < 256) return 255;
     constexpr double kWhite = 65535;
     if (greatest < kWhite / 4) {
-      warn(
-          "{}: its greatest colour is {}, but {} is taken as white: scale the colours in the file to 8 or "
-          "16 bits",
-          file_.string(), greatest, kWhite);
+      warn("{}: its greatest colour is {}, but {} is taken as white: scale the colours in the file to 8 or 16 bits",
+           file_.string(), greatest, kWhite);
     }
     return kWhite;
   }

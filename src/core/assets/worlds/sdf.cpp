@@ -14,6 +14,7 @@
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world_asset.h"
 #include "assets/worlds/xml.h"
+#include "base/file.h"
 #include "base/format_support.h"
 #include "base/input_budget.h"
 
@@ -341,16 +342,15 @@ class SdfReader {
   // Returns the existing file that model.config in a folder lists with the highest version; without any, model.sdf.
   static std::string newestSdf(const std::filesystem::path& folder) {
     std::string newest = "model.sdf", highestVersion;
-    std::error_code ignored;
     const std::filesystem::path config = folder / "model.config";
-    if (!std::filesystem::exists(config, ignored)) return newest;
+    if (!pathExists(config)) return newest;
     for (const XmlNode& sdf : readXml(config).children) {
       if (sdf.name != "sdf") continue;
       const std::string version = sdf.attributeOr("version", "0");
       if (version.find_first_of("0123456789") != 0) sdf.fail("has the version '{}', which is no number", version);
       // strverscmp() compares the numbers in the texts, so that 1.10 is greater than 1.9.
       if (::strverscmp(version.c_str(), highestVersion.c_str()) <= 0) continue;
-      if (!std::filesystem::exists(folder / sdf.text, ignored)) continue;
+      if (!pathExists(folder / sdf.text)) continue;
       highestVersion = version;
       newest = sdf.text;
     }
@@ -363,15 +363,15 @@ class SdfReader {
     const XmlNode* const uriNode = node.child("uri");
     const XmlNode& naming = uriNode == nullptr ? node : *uriNode;
     std::filesystem::path path = findModel(naming, file, uri);
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) {
+    if (isFolder(path)) {
       path /= newestSdf(path);
-      if (!std::filesystem::exists(path, error)) {
+      if (!pathExists(path)) {
         throw MissingFileError(
             naming.where, uri,
             fmt::format("<{}> names '{}', but no {} of this name exists", naming.name, uri, path.string()));
       }
     }
+    std::error_code error;
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, error);
     return error ? path : canonical;
   }

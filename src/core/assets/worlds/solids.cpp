@@ -104,12 +104,6 @@ void addCap(Mesh& mesh, const std::vector<Vec3d>& outline, const std::vector<std
   }
 }
 
-// True if a heightmap's raster is a plain image, whose values are not heights in metres.
-bool isImage(const Raster& raster, const std::filesystem::path& file) {
-  const std::string suffix = lowerExtension(file);
-  return !raster.georeferenced || suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
-}
-
 // Returns the size of a heightmap (m): its <size> or, without one, 1 m for an image, else the raster's extent.
 Vec3d sizeOf(const XmlNode& shape, const Raster& raster, bool isImage, double low, double high) {
   if (shape.child("size") != nullptr) return sizesOf(shape, "size");
@@ -202,13 +196,14 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
 
 Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file) {
   const Raster raster = readRaster(file, {.georeferenced = false});
-  const bool statesNoHeights = isImage(raster, file);
+  // The values of a plain image are not heights in metres.
+  const bool isImage = !raster.georeferenced || containsWord(".png .jpg .jpeg", lowerExtension(file));
   if (raster.width < 2 || raster.height < 2) {
     shape.fail("names '{}', which has not two rows and two columns of samples", file.string());
   }
   auto [low, high] = raster.range();
-  if (statesNoHeights) low = 0;
-  const Vec3d size = sizeOf(shape, raster, statesNoHeights, low, high);
+  if (isImage) low = 0;
+  const Vec3d size = sizeOf(shape, raster, isImage, low, high);
   const Vec3d middle = vectorIn(shape, shape.textOf("pos", "0 0 0"));
   const double scale = high > low ? size.z / (high - low) : 0;
   Mesh mesh;

@@ -110,7 +110,6 @@ class WorldAsset {
     return parts;
   }
 
-  // Gives a part the material of its visual.
   void applyLook(const WorldPart& visual, AssetPart& part) {
     using enum BaseColor::Source;
     if (part.material.empty()) part.material = visual.material;

@@ -26,7 +26,6 @@ constexpr std::pair<const char*, const char*> kRefused[] = {
     {"//controller/*[//instance_controller]", "convert it to glTF, for example with Blender"},
     {"//instance_image", "export it as COLLADA 1.4.1, or convert it to glTF"}};
 
-// Returns the material of an effect.
 ColladaMaterial materialOf(const pugi::xml_node& effect) {
   const pugi::xml_node common = effect.child("profile_COMMON");
   const pugi::xml_node diffuse = common.select_node(".//diffuse").node();
@@ -48,10 +47,11 @@ std::string idOf(const char* url) {
   return *url == '\0' ? "" : url + 1;
 }
 
-// A COLLADA document, which facts() changes for assimp.
+// A COLLADA document, which read() changes for assimp.
 class Collada {
  public:
-  explicit Collada(const std::filesystem::path& file) : bytes_(readFile(file)) {
+  Collada(const std::filesystem::path& file, ColladaFacts& facts, LeftOut& leftOut)
+      : bytes_(readFile(file)), facts_(facts), leftOut_(leftOut) {
     const pugi::xml_parse_result result = document_.load_buffer(bytes_.data(), bytes_.size());
     if (!result) {
       throw Error("is not XML: {}, in line {}; {}", result.description(), lineOf(result.offset), remedyFor(".dae"));
@@ -61,7 +61,7 @@ class Collada {
 
   // Reads the facts and changes the document for assimp: its up axis, names of nodes and of sets of texture
   // coordinates, hidden nodes, and the default material.
-  ColladaFacts facts() {
+  std::string read() {
     for (const auto& [xpath, remedy] : kRefused) {
       const pugi::xml_node refused = root_.select_node(xpath).node();
       if (!refused) continue;
@@ -79,8 +79,7 @@ class Collada {
     readMaterials();
     std::ostringstream text;
     document_.save(text, "", pugi::format_raw, pugi::encoding_utf8);
-    facts_.text = std::move(text).str();
-    return std::move(facts_);
+    return std::move(text).str();
   }
 
  private:
@@ -107,20 +106,20 @@ class Collada {
     }
     const double unit = facts_.unit == 0 ? 1 : facts_.unit;
     for (const pugi::xpath_node& part : root_.select_nodes("*[starts-with(name(), 'library_')]//asset")) {
-      facts_.leftOut.add("axes and units of parts of the file (`asset` in libraries)",
-                         std::uint64_t{axisOf(part.node(), facts_.up) != facts_.up} +
-                             std::uint64_t{unitOf(part.node(), unit) != unit});
+      leftOut_.add("axes and units of parts of the file (`asset` in libraries)",
+                   std::uint64_t{axisOf(part.node(), facts_.up) != facts_.up} +
+                       std::uint64_t{unitOf(part.node(), unit) != unit});
     }
   }
 
   // Counts surfaces of kinds that the importer does not read, and references to other files.
   void countUnread() {
     for (const pugi::xpath_node& surface : root_.select_nodes("//ph | //spline | //brep | //convex_mesh")) {
-      facts_.leftOut.addKeyword(kColladaFormat, surface.node().name());
+      leftOut_.addKeyword(kColladaFormat, surface.node().name());
     }
     for (const pugi::xpath_node& instance : root_.select_nodes("//*[starts-with(name(), 'instance_')]")) {
       const std::string_view url = instance.node().attribute("url").value();
-      if (!url.empty() && !url.starts_with('#')) facts_.leftOut.add("references to other files");
+      if (!url.empty() && !url.starts_with('#')) leftOut_.add("references to other files");
     }
   }
 
@@ -142,7 +141,7 @@ class Collada {
       if (sets == indices.end()) continue;
       name = fmt::format("set{}", *sets->second.begin()).c_str();
       if (sets->second.size() == 1) continue;
-      facts_.leftOut.add("images with several sets of texture coordinates (bind_vertex_input; the first is taken)");
+      leftOut_.add("images with several sets of texture coordinates (bind_vertex_input; the first is taken)");
     }
   }
 
@@ -156,7 +155,7 @@ class Collada {
     if (visible != "0" && visible != "false") return;
     for (const pugi::xpath_node& hidden :
          node.select_nodes("descendant-or-self::node[instance_geometry or instance_node]")) {
-      facts_.leftOut.add("hidden nodes");
+      leftOut_.add("hidden nodes");
       for (const char* content : {"instance_geometry", "instance_node"}) {
         while (hidden.node().remove_child(content)) continue;
       }
@@ -219,7 +218,8 @@ class Collada {
   std::string bytes_;
   pugi::xml_document document_;
   pugi::xml_node root_;
-  ColladaFacts facts_;
+  ColladaFacts& facts_;
+  LeftOut& leftOut_;
   std::map<std::string, pugi::xml_node> nodesById_;
   std::map<std::string, double> nodesInCopy_;  // number of nodes that a copy of the node with this id has
 };
@@ -241,8 +241,8 @@ const FormatSupport kColladaFormat{
                  {"brep", "solids by their borders (brep)"},
                  {"convex_mesh", "convex meshes (convex_mesh)"}}}};
 
-ColladaFacts colladaFacts(const std::filesystem::path& file) {
-  return Collada(file).facts();
+std::string readCollada(const std::filesystem::path& file, ColladaFacts& facts, LeftOut& leftOut) {
+  return Collada(file, facts, leftOut).read();
 }
 
 }  // namespace scanmill

@@ -43,14 +43,12 @@ struct ColladaFacts {
   char up = 'y';                           // up axis, from <up_axis>
   double unit = 0;                         // metres per unit; 0: not stated
   std::vector<ColladaMaterial> materials;  // materials with an effect, sorted by id, as assimp sorts them
-  LeftOut leftOut;
-  // The file for assimp, in UTF-8: nodes without a name are named by their ids, hidden nodes are empty, and surfaces
-  // without a material have kDefaultMaterial.
-  std::string text;
 };
 
-// Reads the facts of a COLLADA file. Throws an Error with the problem and its line if the file is not XML, has elements
-// that assimp reads wrong, or copies a node into itself.
-ColladaFacts colladaFacts(const std::filesystem::path& file);
+// Reads the facts of a COLLADA file, counts what is left out, and returns the file for assimp, in UTF-8: nodes without
+// a name are named by their ids, hidden nodes are empty, and surfaces without a material have kDefaultMaterial. Throws
+// an Error with the problem and its line if the file is not XML, has elements that assimp reads wrong, or copies a node
+// into itself.
+std::string readCollada(const std::filesystem::path& file, ColladaFacts& facts, LeftOut& leftOut);
 
 }  // namespace scanmill

@@ -114,7 +114,7 @@ class Importer {
 
   ImportedFile read() {
     importScene();
-    imported_.up = options_.up.value_or(isCollada_ ? facts_.up : 'y');
+    imported_.up = options_.up.value_or(facts_.up);
     imported_.upDeclared = true;
     imported_.statedUnit = facts_.unit;
     countUnread();
@@ -132,14 +132,8 @@ class Importer {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-    std::string text;
-    if (isCollada_) {
-      facts_ = colladaFacts(file_);
-      text = std::move(facts_.text);
-      imported_.leftOut.add(facts_.leftOut);
-    } else {
-      text = readAc3d(file_, imported_.leftOut);
-    }
+    const std::string text =
+        isCollada_ ? readCollada(file_, facts_, imported_.leftOut) : readAc3d(file_, imported_.leftOut);
     try {
       scene_ = importer_.ReadFileFromMemory(text.data(), text.size(), 0, isCollada_ ? "dae" : "ac");
       if (scene_ == nullptr && importer_.GetException() != nullptr) std::rethrow_exception(importer_.GetException());

@@ -83,7 +83,6 @@ std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index 
   return images.load(std::to_string(imageIndex), label, need, embedded);
 }
 
-// Returns BaseColor::alphaCutoff for a material.
 std::optional<float> alphaCutoffOf(const Material& material, AlphaUse use) {
   if (use == AlphaUse::Ignore || (use == AlphaUse::Auto && material.alpha == Material::Alpha::Opaque)) return {};
   if (material.alpha != Material::Alpha::Mask) return kUsualAlphaCutoff;

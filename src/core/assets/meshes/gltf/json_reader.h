@@ -104,16 +104,9 @@ void readEach(const JsonObject& file, const char* key, std::vector<T>& into, con
   }
 }
 
-struct Container {
-  std::string json;
-  std::string bin;              // the GLB's binary chunk
-  std::optional<Vec3d> center;  // m, RTC_CENTER of a .b3dm, z up
-  bool batchTable = false;      // true if a .b3dm has a batch table with properties
-};
-
-// Reads a file. Throws an InputError that calls the file `name` if the .b3dm or its GLB is damaged, or if the GLB is of
-// glTF 1.0.
-Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name);
+// Reads a file and returns its JSON. Sets Model::bin, and Model::center to the RTC_CENTER of a .b3dm. Messages call the
+// file Model::file. Throws an InputError if the .b3dm or its GLB is damaged, or if the GLB is of glTF 1.0.
+std::string readContainer(const std::filesystem::path& file, Model& model);
 
 // Reads the buffers, views and accessors of `file` into `model`, the model of the same file, and checks them.
 // Model::bin and Model::file must be set before. `allowOutside`: see AssetOptions.

@@ -360,14 +360,11 @@ const FormatSupport kGltfFormat{
      .leftOut = {{"MSFT_lod", "levels of detail (MSFT_lod; the nodes of the scene are read, coarser ones too)"}}}};
 
 Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside) {
-  Container container = readContainer(file, name);
   Model model;
   model.file = name;
-  model.bin = std::move(container.bin);
-  model.center = container.center;
-  if (container.batchTable) model.leftOut.add("batch tables (.b3dm)");
+  const std::string text = readContainer(file, model);
   try {
-    const Json json = Json::parse(container.json);
+    const Json json = Json::parse(text);
     ModelReader(model, json, allowOutside).read();
   } catch (const Json::exception& e) {
     model.fail("is not valid glTF: {}", reasonOf(e));

@@ -66,9 +66,8 @@ std::string nameOf(const Model& model, Index animation) {
 Index animationNamed(const Model& model, const std::string& name) {
   std::vector<std::string> names;
   for (Index i = 0; i < model.animations.size(); ++i) names.push_back(nameOf(model, i));
-  for (Index i = 0; i < names.size(); ++i) {
-    if (names[i] == name) return i;
-  }
+  const auto named = std::ranges::find(names, name);
+  if (named != names.end()) return static_cast<Index>(named - names.begin());
   for (Index i = 0; i < names.size(); ++i) {
     if (std::to_string(i) == name) return i;
   }

@@ -22,30 +22,30 @@ constexpr std::uint64_t kMostStride = 252;                // largest stride in a
 constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
-// table (JSON, then binary) and the glTF. Sets the container's `batchTable` and, if the feature table has RTC_CENTER (a
-// list, or an offset into the table's binary part), its `center`. Throws Error if the tile is damaged.
-std::string glbOfTile(const std::string& tile, Container& container) {
+// table (JSON, then binary) and the glTF. Sets Model::center if the feature table has RTC_CENTER (a list, or an offset
+// into the table's binary part). Throws Error if the tile is damaged.
+std::string glbOfTile(const std::string& tile, Model& model) {
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
   for (const std::size_t at : {kFeaturesAt, kBinaryFeaturesAt, kBatchesAt, kBinaryBatchesAt})
     begin += numberAt<std::uint32_t>(tile, at);
   if (begin > tile.size()) throw Error("is damaged: the tables of the tile are longer than the file");
   constexpr std::size_t kEmptyTable = 8;  // size of "{}" with padding
-  container.batchTable = numberAt<std::uint32_t>(tile, kBatchesAt) > kEmptyTable;
+  if (numberAt<std::uint32_t>(tile, kBatchesAt) > kEmptyTable) model.leftOut.add("batch tables (.b3dm)");
   const std::size_t jsonSize = numberAt<std::uint32_t>(tile, kFeaturesAt);
   const Json features = jsonSize > 0 ? Json::parse(tile.substr(kTileHeader, jsonSize)) : Json::object();
   const auto center = features.find("RTC_CENTER");
   if (center == features.end()) return tile.substr(begin);
   if (center->is_array()) {
     const auto [x, y, z] = center->get<std::array<double, 3>>();
-    container.center = Vec3d{x, y, z};
+    model.center = Vec3d{x, y, z};
   } else {
     const auto offset = center->at("byteOffset").get<std::size_t>();
     const std::size_t binarySize = numberAt<std::uint32_t>(tile, kBinaryFeaturesAt);
     if (offset > binarySize || binarySize - offset < sizeof(Vec3f)) {
       throw Error("is damaged: RTC_CENTER lies outside the feature table");
     }
-    container.center = Vec3d(numberAt<Vec3f>(tile, kTileHeader + jsonSize + offset));
+    model.center = Vec3d(numberAt<Vec3f>(tile, kTileHeader + jsonSize + offset));
   }
   return tile.substr(begin);
 }
@@ -154,15 +154,14 @@ Buffer readBuffer(const JsonObject& object, bool allowOutside) {
   } else if (object.json.contains("uri")) {
     buffer.uri = decodeUri(buffer.uri);
     const std::filesystem::path path = object.model.file.parent_path() / buffer.uri;
-    std::error_code error;
-    if (!allowOutside && leadsOutside(buffer.uri) && std::filesystem::exists(path, error)) {
+    if (!allowOutside && leadsOutside(buffer.uri) && pathExists(path)) {
       object.model.fail("{}", refusalOf(buffer.uri));
     }
-    if (!std::filesystem::is_regular_file(path, error)) {
+    if (!isFile(path)) {
       buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
       return buffer;
     }
-    available = std::filesystem::file_size(path, error);
+    available = std::filesystem::file_size(path);
     source = "'" + buffer.uri + "'";
   }
   if (buffer.length > available) {
@@ -215,41 +214,38 @@ Accessor readAccessor(const JsonObject& object) {
 }  // namespace
 
 // A GLB consists of a header (magic, version, total size) and of chunks (size, kind, bytes); all numbers are uint32.
-Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name) {
-  const auto fail = [&](const std::string& problem) { throw InputError({name.string()}, problem); };
+std::string readContainer(const std::filesystem::path& file, Model& model) {
   std::string bytes = readFile(file);
-  Container container;
   if (bytes.starts_with("\x1F\x8B")) {
-    fail("is compressed by gzip: unpack it, with 'gunzip < FILE > UNPACKED', and all other files of the tileset alike");
+    model.fail(
+        "is compressed by gzip: unpack it, with 'gunzip < FILE > UNPACKED', and all other files of the tileset alike");
   }
   if (bytes.size() >= 4 && numberAt<std::uint32_t>(bytes, 0) == kTileMagic) {
     try {
-      bytes = glbOfTile(bytes, container);
+      bytes = glbOfTile(bytes, model);
     } catch (const nlohmann::json::exception& e) {
-      fail(fmt::format("is damaged: its feature table: {}", reasonOf(e)));
+      model.fail("is damaged: its feature table: {}", reasonOf(e));
     } catch (const Error& e) {
-      fail(e.what());
+      model.fail("{}", e.what());
     }
   }
-  if (bytes.size() < 4 || numberAt<std::uint32_t>(bytes, 0) != kMagic) {
-    container.json = std::move(bytes);
-    return container;
-  }
-  if (bytes.size() < kGlbHeader + kChunkHeader) fail("is truncated within the GLB header");
-  if (numberAt<std::uint32_t>(bytes, 4) != 2) fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
+  if (bytes.size() < 4 || numberAt<std::uint32_t>(bytes, 0) != kMagic) return bytes;
+  if (bytes.size() < kGlbHeader + kChunkHeader) model.fail("is truncated within the GLB header");
+  if (numberAt<std::uint32_t>(bytes, 4) != 2) model.fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
   const std::size_t total = numberAt<std::uint32_t>(bytes, 8);
-  if (total > bytes.size()) fail(fmt::format("is truncated: has {} of {} bytes", bytes.size(), total));
+  if (total > bytes.size()) model.fail("is truncated: has {} of {} bytes", bytes.size(), total);
+  std::string json;
   for (std::size_t at = kGlbHeader; at + kChunkHeader <= total;) {
     const std::size_t size = numberAt<std::uint32_t>(bytes, at);
     const std::uint32_t kind = numberAt<std::uint32_t>(bytes, at + 4);
     at += kChunkHeader;
-    if (size > total - at) fail("is damaged: a GLB chunk is longer than the file");
-    if (kind == kJsonChunk && container.json.empty()) container.json = bytes.substr(at, size);
-    if (kind == kBinChunk && container.bin.empty()) container.bin = bytes.substr(at, size);
+    if (size > total - at) model.fail("is damaged: a GLB chunk is longer than the file");
+    if (kind == kJsonChunk && json.empty()) json = bytes.substr(at, size);
+    if (kind == kBinChunk && model.bin.empty()) model.bin = bytes.substr(at, size);
     at += size;
   }
-  if (container.json.empty()) fail("is damaged: the GLB has no JSON chunk");
-  return container;
+  if (json.empty()) model.fail("is damaged: the GLB has no JSON chunk");
+  return json;
 }
 
 void readStorage(Model& model, const JsonObject& file, bool allowOutside) {

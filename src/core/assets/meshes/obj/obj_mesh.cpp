@@ -42,10 +42,7 @@ class ObjReader {
 
   ImportedFile read() {
     while (statements_.next()) readStatement();
-    imported_.up = options_.up.value_or('z');
-    const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
-    for (Vec3d& vertex : vertices_) vertex = frame * vertex;
-    imported_.origin = originNear(vertices_.size(), [&](std::size_t i) { return vertices_[i]; });
+    placePositions(vertices_, true, options_, imported_);
     materials_.check(!libraries_.empty() && imported_.missing.empty());
     for (Part& part : parts_) {
       // Faces without texture coordinates become a separate part, since no texture must show on them.
@@ -165,7 +162,6 @@ class ObjReader {
     }
   }
 
-  // Returns the part of the current object, group and material.
   Part& currentPart() {
     if (currentPart_ != nullptr) return *currentPart_;
     const std::pair<std::string, std::string> names{object_, group_};
@@ -186,7 +182,6 @@ class ObjReader {
     for (const std::string_view name : names) readLibrary(std::string(name));
   }
 
-  // Returns the path of a file that the OBJ names.
   fs::path pathOf(std::string name) const {
     std::replace(name.begin(), name.end(), '\\', '/');
     return fs::absolute(file_).parent_path() / name;
