@@ -19,8 +19,8 @@ struct ThingBounds {
   enum class By { Object, Node, Part, Name };
   By by = By::Object;
   // Only for By::Name: a regular expression between slashes. All nodes with the same match are one thing.
-  std::string pattern;
-  Location where;
+  std::string pattern{};
+  Location where{};
   bool byClass = false;  // true: triangles of different classes are different things (point clouds)
 
   // Compares everything except `where`.
