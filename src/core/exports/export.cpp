@@ -271,7 +271,7 @@ class Export {
         sample.scans.push_back({record, plan_.sensors[s], s, store_.decode(index, *stored)});
       }
     }
-    if (layout_->readsVoxels()) {
+    if (options_.layout->voxels) {
       const std::string& sensor = plan_.sensors.front()->name;
       if (const std::optional<std::string> bytes = store_.voxels(index, sensor))
         sample.voxels = decodeVoxels(*bytes, sample.record->key + "." + sensor + "." + std::string(kVoxelsSuffix));
