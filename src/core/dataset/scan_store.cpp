@@ -196,14 +196,6 @@ const Ontology* ScanStore::ontology() const {
   return ontology_ ? &*ontology_ : nullptr;
 }
 
-StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sensor) const {
-  if (!sensor.empty() && lowerCase(sensor) != lowerCase(recorded_->sensor)) {
-    throw InputError({path_.string()}, "has no sensor '{}'{}", sensor,
-                     recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor);
-  }
-  return {.sensor = recorded_->sensor, .method = "", .members = {recorded_->scans.at(sample).points.string()}};
-}
-
 std::vector<StoredScan> ScanStore::scansInShard(const Sample& sample) const {
   std::vector<StoredScan> scans;
   const bool manifestLists = sample.members.empty() && sample.record != nullptr;
@@ -233,7 +225,13 @@ std::vector<StoredScan> ScanStore::scansInShard(const Sample& sample) const {
 
 std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& sensor) const {
   if (single_) return {{}};
-  if (recorded_) return {scanOfRecorded(sample, sensor)};
+  if (recorded_) {
+    if (sensor.empty() || lowerCase(sensor) == lowerCase(recorded_->sensor)) {
+      return {{.sensor = recorded_->sensor, .method = "", .members = {recorded_->scans.at(sample).points.string()}}};
+    }
+    throw InputError({path_.string()}, "has no sensor '{}'{}", sensor,
+                     recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor);
+  }
   std::vector<StoredScan> scans = scansInShard(samples_.at(sample));
   const std::string where = shards_[samples_[sample].shard].file.string();
   if (scans.empty()) {

@@ -93,7 +93,6 @@ class ScanStore {
   void openDataset();
   void openShard();
   void openSingle();
-  StoredScan scanOfRecorded(std::size_t sample, const std::string& sensor) const;
   // Returns the scans of all sensors in a sample of a dataset or shard.
   std::vector<StoredScan> scansInShard(const Sample& sample) const;
   void addSample(const std::string& key, Sample sample);
