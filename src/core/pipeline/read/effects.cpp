@@ -19,12 +19,16 @@ struct ListedEffect : ChosenEffect {
   Location where;  // of its item in the list
 };
 
+bool isWord(const Value& value, std::string_view word) {
+  return value.kind == Value::Kind::Scalar && value.text == word;
+}
+
 bool meansSensor(const Value& item) {
-  return item.kind == Value::Kind::Scalar && item.text == "sensor";
+  return isWord(item, "sensor");
 }
 
 bool meansNone(const NamedOptions& item) {
-  return item.options.kind == Value::Kind::Scalar && item.options.text == "none";
+  return isWord(item.options, "none");
 }
 
 // Replaces the name of a class by its id. Throws InputError for a name or an id that no class has.
