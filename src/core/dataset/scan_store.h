@@ -98,8 +98,8 @@ class ScanStore {
   void addSample(const std::string& key, Sample sample);
   const ShardIndex& shard(std::size_t number) const;
 
-  void requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const;
-  // Returns the bytes of a member of a sample's shard; nothing if the shard does not have it.
+  // Returns the bytes of a member of a sample's shard; nothing if the shard does not have it. Throws InputError if they
+  // differ from their hash in the manifest, unless Digests::Ignored.
   std::optional<std::string> bytesOf(std::size_t sample, const std::string& name) const;
 
   Digests digests_;
