@@ -64,8 +64,7 @@ fs::path datasetAbove(const fs::path& folder) {
 void checkPath(const fs::path& folder) {
   if (const fs::path dataset = datasetAbove(folder); !dataset.empty()) {
     throw InputError({folder.string()},
-                     "is in the dataset {}, to which no other files belong: choose another output folder "
-                     "with -o",
+                     "is in the dataset {}, to which no other files belong: choose another output folder with -o",
                      dataset.string());
   }
   if (fs::exists(folder) && !fs::is_directory(folder)) {

@@ -40,8 +40,7 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
       const auto [entry, isNew] = nameByKeyPart.emplace(keyPart(trajectory->name()), trajectory->name());
       if (isNew) continue;
       throw InputError(items[i].where,
-                       "two trajectories are named '{}' and '{}', both '{}' in file names: give one "
-                       "another name",
+                       "two trajectories are named '{}' and '{}', both '{}' in file names: give one another name",
                        entry->second, trajectory->name(), entry->first);
     }
   }
@@ -169,8 +168,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
         frames += trajectory->frames();
         if (!keys.insert(sequences.back().key()).second) {
           throw InputError(item.where,
-                           "two sequences have the key '{}': list the scene once, or give one scene "
-                           "file another name",
+                           "two sequences have the key '{}': list the scene once, or give one scene file another name",
                            sequences.back().key());
         }
       }
