@@ -63,13 +63,6 @@ std::filesystem::path Arguments::pipeline() const {
 
 namespace {
 
-// Returns the value of --threads; 0 (all cores) if it is not given. Throws InputError unless it is from 0 to 1024.
-int threadOption(const Arguments& arguments) {
-  const int threads = arguments.has("threads") ? arguments.options["threads"].as<int>() : 0;
-  if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
-  return threads;
-}
-
 // Parses a number of bytes, such as "8G", "500M" or "1.5 GiB", with units as powers of 1024. Returns nothing if the
 // text has another form.
 std::optional<double> bytesOf(const std::string& text) {
@@ -128,7 +121,9 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
     throw HelpPrinted();
   }
   const double inputFactor = parsed.has("input-limit") ? parsed.number("input-limit", 1, 1e6) : 1;
-  parsed.limits = std::make_unique<ResourceLimits>(inputFactor, threadOption(parsed), memoryOption(parsed));
+  const int threads = parsed.has("threads") ? parsed.options["threads"].as<int>() : 0;  // 0: all cores
+  if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
+  parsed.limits = std::make_unique<ResourceLimits>(inputFactor, threads, memoryOption(parsed));
   return parsed;
 }
 

@@ -50,8 +50,7 @@ std::vector<Example> allExamples() {
   std::ranges::sort(files);
   for (const fs::path& file : files) {
     // Other files, such as NAME.scene.yaml and NAME.obj, belong to the example NAME.
-    const bool isExample = file.extension() == ".yaml" && file.stem().extension().empty();
-    if (isExample) examples.push_back(readExample(file));
+    if (file.extension() == ".yaml" && file.stem().extension().empty()) examples.push_back(readExample(file));
   }
   for (Example& example : examples) {
     for (const fs::path& file : files) {

@@ -97,7 +97,10 @@ NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, co
   return fit;
 }
 
-void addFitNoiseOptions(CommandOptions& options) {
+}  // namespace
+
+int runFitNoise(const std::vector<std::string>& arguments) {
+  CommandOptions options("fit-noise");
   options.add("sensor", "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`",
               textValue(), "FILE|NAME");
   options.add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
@@ -106,13 +109,6 @@ void addFitNoiseOptions(CommandOptions& options) {
   addSimulatedOption(options);
   addThreads(options);
   addInputLimit(options);
-}
-
-}  // namespace
-
-int runFitNoise(const std::vector<std::string>& arguments) {
-  CommandOptions options("fit-noise");
-  addFitNoiseOptions(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"

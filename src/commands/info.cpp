@@ -73,8 +73,7 @@ void printDataset(const std::filesystem::path& folder) {
   for (const auto& [shard, problem] : undescribed) warn(problem);
   if (undescribed.empty()) return;
   warn(
-      "the points and beams of {} of {} shards are not counted: `scanmill regenerate {}` makes the damaged "
-      "files again",
+      "the points and beams of {} of {} shards are not counted: `scanmill regenerate {}` makes the damaged files again",
       undescribed.size(), m.shards.size(), folder.string());
 }
 

@@ -138,17 +138,15 @@ class SceneCheck {
         for (const std::string& line : pathWarnings(source_, k, probe)) warn(line);
       }
     }
-    for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) addModelled(item);
+    for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) {
+      // If several scenes describe the same feature with different texts, only the first scene's item is kept.
+      const auto isAboutSame = [&](const ModelledItem& earlier) {
+        return earlier.topic == item.topic && earlier.leftOut == item.leftOut && earlier.sensor == item.sensor;
+      };
+      if (std::ranges::none_of(modelled_, isAboutSame)) modelled_.push_back(item);
+    }
     plan_.checkMemory(method->memoryBytes(), name);
     mostBytes_ = std::max(mostBytes_, method->memoryBytes());
-  }
-
-  // Adds an item. If several scenes describe the same feature with different texts, keeps only the first scene's item.
-  void addModelled(const ModelledItem& item) {
-    const auto isAboutSame = [&](const ModelledItem& earlier) {
-      return earlier.topic == item.topic && earlier.leftOut == item.leftOut && earlier.sensor == item.sensor;
-    };
-    if (std::ranges::none_of(modelled_, isAboutSame)) modelled_.push_back(item);
   }
 
   ShotSource& source_;

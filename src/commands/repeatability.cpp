@@ -55,8 +55,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   prepareReportFolder(folder, kRepeatabilityFile, parsed.has("overwrite"));
   const RepeatabilityOptions run{.quiet = parsed.has("quiet"), .stop = &stopSignal()};
   const Repeatability result = measureRepeatability(plan, run);
-  const std::string date = today();
-  writeResult(result, date, folder);
+  writeResult(result, today(), folder);
   for (const std::string& warning : result.warnings) warn(warning);
   std::size_t poses = 0;
   for (const RepeatedView& view : result.views) poses += view.poses.size();

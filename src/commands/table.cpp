@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "base/terminal.h"
 
@@ -17,8 +16,7 @@ std::size_t widthOf(const std::string& text) {
 }
 
 bool looksNumeric(const std::string& cell) {
-  return cell.empty() || std::isdigit(static_cast<unsigned char>(cell.front())) != 0 || cell.front() == '-' ||
-         cell.front() == '+' || cell.front() == '<';
+  return cell.empty() || cell.find_first_of("0123456789-+<") == 0;
 }
 
 }  // namespace

@@ -87,8 +87,7 @@ PictureSize readPictureSize(const std::string& text) {
     return {.width = (*sides)[0], .height = (*sides)[1]};
   }
   throw InputError(
-      fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, "
-                  "not '{}'",
+      fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, not '{}'",
                   kLeastPictureSide, kMostPictureSide, kMostPicturePixels / 1000000, text));
 }
 
@@ -129,9 +128,7 @@ ScaleRange readScale(const std::string& text) {
     return {ends->front(), ends->back()};
   }
   throw InputError(
-      fmt::format("--scale is LOW,HIGH: the values of the first and the last colour, such as 0,0.05, "
-                  "not '{}'",
-                  text));
+      fmt::format("--scale is LOW,HIGH: the values of the first and the last colour, such as 0,0.05, not '{}'", text));
 }
 
 // Reads X,Y,Z, the value of --at.

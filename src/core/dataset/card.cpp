@@ -323,8 +323,7 @@ std::string cardText(const Manifest& manifest) {
   for (const auto& [sensor, sensorMethods] : totals.methods) methods.insert(sensorMethods.begin(), sensorMethods.end());
   text += fmt::format(
       "\n## What it contains\n\n{}\n{} points of {} beams. All samples of a sequence are in one split. `manifest.json` "
-      "describes each sample, "
-      "with poses, counts and hashes.\n\n{}\n{}\n{}\n{}{} {}\n\n",
+      "describes each sample, with poses, counts and hashes.\n\n{}\n{}\n{}\n{}{} {}\n\n",
       splitTable(manifest), grouped(totals.points), grouped(totals.beams), sensorTable(manifest), columnTable(manifest),
       classTable(manifest, totals), frameText(manifest), intensityText(manifest), membersText(manifest));
   text += fmt::format(

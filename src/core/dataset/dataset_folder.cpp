@@ -64,8 +64,7 @@ fs::path datasetAbove(const fs::path& folder) {
 void checkPath(const fs::path& folder) {
   if (const fs::path dataset = datasetAbove(folder); !dataset.empty()) {
     throw InputError({folder.string()},
-                     "is in the dataset {}, to which no other files belong: choose another output folder "
-                     "with -o",
+                     "is in the dataset {}, to which no other files belong: choose another output folder with -o",
                      dataset.string());
   }
   if (fs::exists(folder) && !fs::is_directory(folder)) {
@@ -210,7 +209,7 @@ DatasetFolder::Identity DatasetFolder::identityOf(const fs::path& path) {
 }
 
 // Releases the lock. Removes the hidden folder if it is empty, and also the dataset's folder if the constructor has
-// created this folder and nothing is in it.
+// created this folder and nothing is in it, as when no shard was completed.
 void DatasetFolder::leave() {
   std::error_code ignored;
   lock_.reset();
@@ -288,19 +287,13 @@ bool DatasetFolder::makeAlone() {
 }
 
 DatasetFolder::~DatasetFolder() {
-  std::error_code ignored;
   if (identityOf(folder_) != identity_ || !makeAlone()) return;
-  bool resumable = false;
   try {
-    resumable = !published_ && !complete_ && hasRecords();
-    if (!resumable) clearHidden(staging_);
+    if (published_ || complete_ || !hasRecords()) clearHidden(staging_);
   } catch (const std::exception&) {
-    resumable = true;  // the folder may have changed: remove no more files
+    created_ = false;  // the folder may have changed: it stays
   }
-  lock_.reset();
-  // Both folders are removed only if they are empty.
-  fs::remove(staging_, ignored);
-  if (created_ && !resumable && !published_) fs::remove(folder_, ignored);
+  leave();
 }
 
 // Returns the path of a shard: in staging_, or its final path if an earlier process moved the shard there before it was

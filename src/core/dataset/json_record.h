@@ -234,8 +234,8 @@ inline auto wholeNumber(std::uint64_t low, std::uint64_t high = std::numeric_lim
 inline auto numberCount(std::size_t numbers) {
   return [=](const JsonNode& node) { node.numbers(numbers); };
 }
-inline constexpr auto kSha256Digits = [](const JsonNode& node) { node.sha256(); };
-inline constexpr auto kXxh3Digits = [](const JsonNode& node) { node.xxh3(); };
+inline constexpr auto kSha256Digits = [](const JsonNode& node) { node.hash("a SHA-256", 64); };
+inline constexpr auto kXxh3Digits = [](const JsonNode& node) { node.hash("an XXH3", 16); };
 // Returns a limit for a list of records: no two records may have the same value of the key `key`.
 inline auto distinct(const char* key) {
   return [=](const JsonNode& list) {

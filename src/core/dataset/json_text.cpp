@@ -8,11 +8,10 @@ namespace {
 
 constexpr std::size_t kLineWidth = 120;
 
-enum class Lines { One, AsNeeded };  // AsNeeded: a line for each item if one line would be too long
-
-// Returns the text of a list (`brackets`: "[]") or an object ("{}") with these items. If an item has line breaks, each
-// item has a line of its own, whatever `lines` is. `indent`: number of spaces before the closing bracket.
-std::string joined(const std::vector<std::string>& items, const char* brackets, Lines lines, std::size_t indent) {
+// Returns the text of a list (`brackets`: "[]") or an object ("{}") with these items. Each item has a line of its own
+// if an item has line breaks, or if one line would be too long and `mayBeLong` is false. `indent`: number of spaces
+// before the closing bracket.
+std::string joined(const std::vector<std::string>& items, const char* brackets, bool mayBeLong, std::size_t indent) {
   std::size_t width = indent + 2;      // width of the text if it is on one line
   std::size_t bytes = 2 * indent + 8;  // upper bound of the text's bytes
   bool hasBreaks = false;
@@ -21,7 +20,7 @@ std::string joined(const std::vector<std::string>& items, const char* brackets, 
     width += item.size() + 2;
     bytes += item.size() + indent + 3;
   }
-  const bool onOneLine = !hasBreaks && (width <= kLineWidth || lines == Lines::One);
+  const bool onOneLine = !hasBreaks && (width <= kLineWidth || mayBeLong);
   const std::string lineBreak = "\n" + std::string(indent, ' ');  // followed by one more space before an item
   const std::string separator = onOneLine ? ", " : "," + lineBreak + " ";
   std::string text;
@@ -61,11 +60,11 @@ std::string layOut(const OrderedJson& value, std::size_t indent) {
   }
   const bool isNumberList =
       value.is_array() && std::ranges::all_of(value, [](const OrderedJson& item) { return item.is_number(); });
-  return joined(items, value.is_object() ? "{}" : "[]", isNumberList ? Lines::One : Lines::AsNeeded, indent);
+  return joined(items, value.is_object() ? "{}" : "[]", isNumberList, indent);
 }
 
 std::string layOutList(const std::vector<std::string>& items, std::size_t indent) {
-  return joined(items, "[]", Lines::AsNeeded, indent);
+  return joined(items, "[]", false, indent);
 }
 
 double finite(double value, std::string_view what) {

@@ -128,8 +128,13 @@ class JsonNode {
     number();
     return value_.dump();
   }
-  std::string sha256() const { return hash("a SHA-256", 64); }
-  std::string xxh3() const { return hash("an XXH3", 16); }
+  // Throws InputError unless the node is a hash of this number of digits. `kind`: what the message calls it.
+  void hash(std::string_view kind, std::size_t digits) const {
+    const std::string hash = text();
+    if (hash.size() != digits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+      fail("is not {} ({} hexadecimal digits in lower case)", kind, digits);
+    }
+  }
   std::vector<double> numbers(std::size_t count) const {
     std::vector<double> list;
     forEach([&](const JsonNode& item) { list.push_back(item.number()); });
@@ -138,13 +143,6 @@ class JsonNode {
   }
 
  private:
-  std::string hash(std::string_view kind, std::size_t digits) const {
-    std::string hash = text();
-    if (hash.size() != digits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
-      fail("is not {} ({} hexadecimal digits in lower case)", kind, digits);
-    }
-    return hash;
-  }
   void expect(bool hasType, std::string_view what) const {
     if (!hasType) fail("is {}, but must be {}", value_.type_name(), what);
   }

@@ -223,7 +223,7 @@ static void describe(RecordKeys& keys, Manifest& m) {
       });
   keys.optional("plan_sha256", m.planSha256, kSha256Digits);
   keys.customOptional(
-      "digest", [] { return OrderedJson(kNoDigest); }, [](const JsonNode& node) { node.sha256(); });
+      "digest", [] { return OrderedJson(kNoDigest); }, kSha256Digits);
   // Manifests of earlier versions may state how the method was chosen, and how long each stage took.
   keys.former("method_choice");
   keys.former("stages");

@@ -145,7 +145,6 @@ Manifest mergeDataset(const std::filesystem::path& folder) {
     const std::string ranges = shardRanges(missing);
     throw InputError(
         {folder.string()},
-
         "{} of {} shards are missing or damaged: {}; make them by `scanmill generate PIPELINE -o {} --shards {}`",
         missing.size(), names.size(), ranges, folder.string(), ranges);
   }

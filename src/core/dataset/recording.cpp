@@ -21,10 +21,6 @@ namespace {
 constexpr const char* kIndexName = "recording.json";
 constexpr const char* kWhat = "scanmill recording";  // value of the key `what` in the index
 
-std::string shotName(std::string_view sample, std::string_view sensor) {
-  return fmt::format("{}.{}", sample, sensor);
-}
-
 // Returns the numbers of a pose in a recording: w, x, y and z of the rotation, then x, y and z of the position.
 std::vector<double> numbersOf(const Pose& pose) {
   const Quat& q = pose.rotation;
@@ -275,7 +271,7 @@ std::optional<RecordingKind> recordingIn(const fs::path& folder) {
 }
 
 RecordedShot Recording::shot(const std::string& sample, const std::string& sensor) const {
-  const std::string file = (folder / (shotName(sample, sensor) + ".json")).string();
+  const std::string file = (folder / fmt::format("{}.{}.json", sample, sensor)).string();
   const Json json = parseJson(readFile(file), file);
   const JsonNode root(json, "", file);
   RecordedShot shot;
@@ -297,7 +293,7 @@ RecordingWriter::RecordingWriter(fs::path folder, bool overwrite) : folder_(std:
 }
 
 fs::path RecordingWriter::file(std::string_view sample, std::string_view sensor, std::string_view ending) const {
-  return folder_ / fmt::format("{}.{}", shotName(sample, sensor), ending);
+  return folder_ / fmt::format("{}.{}.{}", sample, sensor, ending);
 }
 
 void RecordingWriter::add(const RecordedShot& shot) {

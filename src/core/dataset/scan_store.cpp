@@ -99,9 +99,7 @@ void ScanStore::openSingle() {
   const std::string suffix = path_.extension().string();
   if (!isScan(path_)) {
     throw InputError(
-        {path_.string()},
-
-        "is neither the folder of a dataset nor a file of the kinds .tar, {}{}", scanSuffixes(),
+        {path_.string()}, "is neither the folder of a dataset nor a file of the kinds .tar, {}{}", scanSuffixes(),
         suffix == ".yaml" ? "; for a picture of a scene: `scanmill view SCENE.yaml --screenshot FILE.png`" : "");
   }
   const bool hasFormat = formatBySuffix(suffix.substr(1)) != nullptr;
@@ -196,14 +194,6 @@ const Ontology* ScanStore::ontology() const {
   return ontology_ ? &*ontology_ : nullptr;
 }
 
-StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sensor) const {
-  if (!sensor.empty() && lowerCase(sensor) != lowerCase(recorded_->sensor)) {
-    throw InputError({path_.string()}, "has no sensor '{}'{}", sensor,
-                     recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor);
-  }
-  return {.sensor = recorded_->sensor, .method = "", .members = {recorded_->scans.at(sample).points.string()}};
-}
-
 std::vector<StoredScan> ScanStore::scansInShard(const Sample& sample) const {
   std::vector<StoredScan> scans;
   const bool manifestLists = sample.members.empty() && sample.record != nullptr;
@@ -233,7 +223,13 @@ std::vector<StoredScan> ScanStore::scansInShard(const Sample& sample) const {
 
 std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& sensor) const {
   if (single_) return {{}};
-  if (recorded_) return {scanOfRecorded(sample, sensor)};
+  if (recorded_) {
+    if (sensor.empty() || lowerCase(sensor) == lowerCase(recorded_->sensor)) {
+      return {{.sensor = recorded_->sensor, .method = "", .members = {recorded_->scans.at(sample).points.string()}}};
+    }
+    throw InputError({path_.string()}, "has no sensor '{}'{}", sensor,
+                     recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor);
+  }
   std::vector<StoredScan> scans = scansInShard(samples_.at(sample));
   const std::string where = shards_[samples_[sample].shard].file.string();
   if (scans.empty()) {
@@ -265,8 +261,13 @@ std::optional<std::string> ScanStore::bytesOf(std::size_t sample, const std::str
   const ShardMember* const member = index.find(name);
   if (member == nullptr) return {};
   std::string bytes = index.read(*member);
-  requireUnchanged(samples_[sample], name, bytes);
-  return bytes;
+  const SampleRecord* const record = samples_[sample].record;
+  if (digests_ == Digests::Ignored || record == nullptr) return bytes;
+  const std::string stated = record->xxh3Of(name);
+  if (stated.empty() || xxh3(bytes) == stated) return bytes;
+  throw InputError({index.file().string()},
+                   "{} was changed since it was written: `scanmill regenerate {}` makes it again", name,
+                   folder_.string());
 }
 
 std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
@@ -286,15 +287,6 @@ std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::stri
   return bytesOf(sample, member.substr(0, member.rfind('.') + 1) + std::string(kVoxelsSuffix));
 }
 
-void ScanStore::requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const {
-  if (digests_ == Digests::Ignored || sample.record == nullptr) return;
-  const std::string stated = sample.record->xxh3Of(member);
-  if (stated.empty() || xxh3(bytes) == stated) return;
-  throw InputError({shards_[sample.shard].file.string()},
-                   "{} was changed since it was written: `scanmill regenerate {}` makes it again", member,
-                   folder_.string());
-}
-
 std::string ScanStore::damage(std::size_t sample) const {
   if (single_ || recorded_) return {};
   const std::lock_guard lock(mutex_);
@@ -311,16 +303,14 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
   const ShardIndex& index = shard(samples_.at(sample).shard);
   std::vector<std::string> problems;  // one for each member that cannot be decoded
   for (const std::string& name : scan.members) {
-    const ShardMember* member = index.find(name);
-    if (member == nullptr) {
+    const std::optional<std::string> bytes = bytesOf(sample, name);
+    if (!bytes) {
       problems.push_back(index.damage().empty() ? fmt::format("has no member {}, but the manifest lists it", name)
                                                 : name + " comes after the damage");
       continue;
     }
-    const std::string bytes = index.read(*member);
-    requireUnchanged(samples_[sample], name, bytes);
     try {
-      return requirePlausibleBeams(decodeMember(name, bytes), name);
+      return requirePlausibleBeams(decodeMember(name, *bytes), name);
     } catch (const InputError& e) {
       problems.emplace_back(e.what());
     }

@@ -93,14 +93,13 @@ class ScanStore {
   void openDataset();
   void openShard();
   void openSingle();
-  StoredScan scanOfRecorded(std::size_t sample, const std::string& sensor) const;
   // Returns the scans of all sensors in a sample of a dataset or shard.
   std::vector<StoredScan> scansInShard(const Sample& sample) const;
   void addSample(const std::string& key, Sample sample);
   const ShardIndex& shard(std::size_t number) const;
 
-  void requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const;
-  // Returns the bytes of a member of a sample's shard; nothing if the shard does not have it.
+  // Returns the bytes of a member of a sample's shard; nothing if the shard does not have it. Throws InputError if they
+  // differ from their hash in the manifest, unless Digests::Ignored.
   std::optional<std::string> bytesOf(std::size_t sample, const std::string& name) const;
 
   Digests digests_;

@@ -82,7 +82,6 @@ SplitOfGroup byShares(Fields& fields, const std::set<std::string>& groups, const
     if (shares[i] > 0 && counts[i] == 0) {
       throw InputError(
           fields.require(kSplits[i]).where,
-
           "{}: a share of {} of {} {} is less than one: add {}, change the shares, or list the {} of each split",
           kSplits[i], shares[i], groups.size(), groups.size() == 1 ? by : plural(by), plural(by), plural(by));
     }

@@ -46,40 +46,38 @@ class TarReader {
     archive_entry* entry = nullptr;
     const int result = archive_read_next_header(tar_.get(), &entry);
     if (result == ARCHIVE_EOF) {
-      checkEnd();
-      return false;
+      // Libarchive accepts a file that ends between two members; only the end mark shows that the file is complete.
+      if (size_ >= memberEnd_ + kEndBytes) return false;
+      throw InputError({file_.string()}, "is truncated: no end mark at offset {} (the file has {} bytes)", memberEnd_,
+                       size_);
     }
     if (result < ARCHIVE_WARN) fail("is not a complete tar file");
     const char* name = archive_entry_pathname(entry);
     if (name == nullptr) fail("has a member whose name cannot be read");
-    name_ = name;
-    if (name_.size() > kMostNameBytes) {
-      fail(fmt::format("has a member whose name has {} bytes, but at most {} can be read", name_.size(),
+    member_ = {name, position(), static_cast<std::uint64_t>(archive_entry_size(entry))};
+    if (member_.name.size() > kMostNameBytes) {
+      fail(fmt::format("has a member whose name has {} bytes, but at most {} can be read", member_.name.size(),
                        kMostNameBytes));
     }
     if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_sparse_count(entry) > 0) {
-      fail(fmt::format("has a member '{}' that is not a plain file", name_));
+      fail(fmt::format("has a member '{}' that is not a plain file", member_.name));
     }
-    memberBegin_ = position();
-    memberBytes_ = static_cast<std::uint64_t>(archive_entry_size(entry));
-    if (memberBytes_ > size_ - memberBegin_) {
-      fail(fmt::format("is truncated: member '{}' has {} bytes and the file ends after {}", name_, memberBytes_,
-                       size_ - memberBegin_));
+    if (member_.bytes > size_ - member_.offset) {
+      fail(fmt::format("is truncated: member '{}' has {} bytes and the file ends after {}", member_.name, member_.bytes,
+                       size_ - member_.offset));
     }
-    memberEnd_ = memberBegin_ + (memberBytes_ + kTarBlock - 1) / kTarBlock * kTarBlock;
+    memberEnd_ = member_.offset + (member_.bytes + kTarBlock - 1) / kTarBlock * kTarBlock;
     return true;
   }
 
-  // The following functions refer to the member that next() has gone to.
-  const std::string& name() const { return name_; }
-  std::uint64_t offset() const { return memberBegin_; }  // position of the member's first byte in the file
-  std::uint64_t bytes() const { return memberBytes_; }
+  // Returns the member that next() has gone to.
+  const ShardMember& member() const { return member_; }
   // Replaces `bytes` by the bytes of the member.
   void readInto(std::string& bytes) {
-    bytes.resize(memberBytes_);
+    bytes.resize(member_.bytes);
     const la_ssize_t readBytes = archive_read_data(tar_.get(), bytes.data(), bytes.size());
-    if (readBytes < 0 || static_cast<std::uint64_t>(readBytes) != memberBytes_)
-      fail(fmt::format("is truncated in '{}'", name_));
+    if (readBytes < 0 || static_cast<std::uint64_t>(readBytes) != member_.bytes)
+      fail(fmt::format("is truncated in '{}'", member_.name));
   }
 
  private:
@@ -89,14 +87,6 @@ class TarReader {
 
   std::uint64_t position() const { return static_cast<std::uint64_t>(archive_filter_bytes(tar_.get(), 0)); }
 
-  // Throws InputError if the end mark is missing. Libarchive accepts a file that ends between two members; only the end
-  // mark shows that the file is complete.
-  void checkEnd() const {
-    if (size_ >= memberEnd_ + kEndBytes) return;
-    throw InputError({file_.string()}, "is truncated: no end mark at offset {} (the file has {} bytes)", memberEnd_,
-                     size_);
-  }
-
   [[noreturn]] void fail(const std::string& what) const {
     const char* reason = archive_error_string(tar_.get());
     throw InputError({file_.string()}, "{} at offset {}{}{}", what, position(), reason ? ": " : "",
@@ -105,12 +95,9 @@ class TarReader {
 
   std::filesystem::path file_;
   std::unique_ptr<archive, Free> tar_;
-  std::uint64_t size_ = 0;  // size of the file
-  // The current member: offset of its first byte, offset of the end of its padding, and its size without padding.
-  std::uint64_t memberBegin_ = 0;
-  std::uint64_t memberEnd_ = 0;
-  std::uint64_t memberBytes_ = 0;
-  std::string name_;
+  std::uint64_t size_ = 0;       // size of the file
+  ShardMember member_;           // the current member
+  std::uint64_t memberEnd_ = 0;  // offset of the end of its padding
 };
 
 std::string errnoText(int error) {
@@ -125,7 +112,7 @@ void readTar(const std::filesystem::path& file,
   std::string bytes;
   while (tar.next()) {
     tar.readInto(bytes);
-    visit(tar.name(), bytes);
+    visit(tar.member().name, bytes);
   }
 }
 
@@ -145,7 +132,7 @@ Scan decodeMember(const std::string& name, std::string_view bytes) {
 ShardIndex::ShardIndex(std::filesystem::path file) : file_(std::move(file)) {
   TarReader tar(file_, kHeaderBytes);
   try {
-    while (tar.next()) members_.push_back({tar.name(), tar.offset(), tar.bytes()});
+    while (tar.next()) members_.push_back(tar.member());
   } catch (const InputError& e) {
     if (members_.empty()) throw;
     damage_ = e.what();

@@ -19,6 +19,7 @@
 #include "base/parallel.h"
 #include "config/resources.h"
 #include "config/version.h"
+#include "dataset/card.h"
 #include "dataset/json_text.h"
 #include "dataset/names.h"
 #include "dataset/scan_store.h"
@@ -105,14 +106,9 @@ class Export {
       target = readOntology(resourceFolder() / "labels" / (std::string(options_.layout->labels) + ".yaml"));
     }
     plan_.classes = ClassMap(source, std::move(target));
-    std::set<std::uint16_t> usedIds;
-    for (const SampleRecord& sample : plan_.manifest.samples) {
-      for (const ScanRecord& scan : sample.scans) {
-        for (const auto& [id, points] : scan.pointsPerClass) usedIds.insert(id);
-      }
-    }
+    const ScanTotals totals = totalsOf(plan_.manifest);
     std::vector<std::string> unmapped;  // names of classes
-    for (const std::uint16_t id : usedIds) {
+    for (const auto& [id, points] : totals.perClass) {
       const SemanticClass& c = *source.find(id);
       if (id != 0 && plan_.classes.targetId(id) == 0 && (c.thing || !options_.layout->boxesAlone))
         unmapped.push_back(c.name);
@@ -271,7 +267,7 @@ class Export {
         sample.scans.push_back({record, plan_.sensors[s], s, store_.decode(index, *stored)});
       }
     }
-    if (layout_->readsVoxels()) {
+    if (options_.layout->voxels) {
       const std::string& sensor = plan_.sensors.front()->name;
       if (const std::optional<std::string> bytes = store_.voxels(index, sensor))
         sample.voxels = decodeVoxels(*bytes, sample.record->key + "." + sensor + "." + std::string(kVoxelsSuffix));

@@ -30,23 +30,23 @@ class InstanceNumbers {
     auto operator<=>(const Instance&) const = default;
   };
   using Numbers = std::map<Instance, std::uint16_t>;
-  // A function that returns the instances in a scan.
-  using InstancesOf = std::function<std::set<Instance>(const ExportPlan& plan, const Scan& scan)>;
+  // A function that returns the instance of a point (an index into the scan); its id is 0 if there is none.
+  using InstanceOf = Instance (*)(const ExportPlan& plan, const Scan& scan, std::size_t point);
 
   // `most`: the largest number. `groupName`: what a group is called in messages, such as "instances of car".
-  InstanceNumbers(std::string layout, std::size_t most, InstancesOf instancesOf,
+  InstanceNumbers(std::string layout, std::size_t most, InstanceOf instanceOf,
                   std::function<std::string(const ExportPlan&, std::uint16_t)> groupName)
-      : layout_(std::move(layout)),
-        most_(most),
-        instancesOf_(std::move(instancesOf)),
-        groupName_(std::move(groupName)) {}
+      : layout_(std::move(layout)), most_(most), instanceOf_(instanceOf), groupName_(std::move(groupName)) {}
 
   // Adds the instances of a sample. Throws InputError if a group of its sequence then has more than `most` instances.
   void add(const ExportPlan& plan, const ExportSample& sample) {
     std::set<Instance> instances;
-    for (const ExportScan& scan : sample.scans) instances.merge(instancesOf_(plan, scan.scan));
+    for (const ExportScan& scan : sample.scans) {
+      for (std::size_t i = 0; i < scan.scan.size(); ++i) instances.insert(instanceOf_(plan, scan.scan, i));
+    }
     const std::scoped_lock lock(mutex_);
     for (const auto& [group, id] : instances) {
+      if (id == 0) continue;
       std::set<std::uint32_t>& ids = idsOfSequence_[sample.sequence][group];
       ids.insert(id);
       if (ids.size() <= most_) continue;
@@ -73,7 +73,7 @@ class InstanceNumbers {
 
   std::string layout_;
   std::size_t most_;
-  InstancesOf instancesOf_;
+  InstanceOf instanceOf_;
   std::function<std::string(const ExportPlan&, std::uint16_t)> groupName_;
   std::mutex mutex_;
   std::map<std::size_t, IdsByGroup> idsOfSequence_;

@@ -20,6 +20,7 @@ constexpr std::array<LayoutEntry, 7> kLayouts{{
      .labels = "semantic_kitti",
      .oneSensor = true,
      .revolutions = false,
+     .voxels = true,
      .make = makeSemanticKitti},
     {.name = "kitti",
      .summary = "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets",

@@ -127,9 +127,6 @@ class ExportLayout {
   virtual bool checksSamples(const ExportPlan&) const { return false; }
   virtual void checkSample(const ExportPlan&, const ExportSample&) const {}
 
-  // Returns true if write() needs ExportSample::voxels.
-  virtual bool readsVoxels() const { return false; }
-
   // Returns true if the frames of a sequence share a file, so that a unit of work is a sequence; otherwise a unit is a
   // frame.
   virtual bool bySequence() const { return false; }
@@ -183,6 +180,7 @@ struct LayoutEntry {
   bool oneSensor = false;   // true: the layout can have only one sensor
   bool boxesAlone = false;  // true: the layout has classes of boxes, but not of points
   bool revolutions = true;  // false: the layout has one scan of each sensor in a frame, no more and no less
+  bool voxels = false;      // true: the layout needs ExportSample::voxels
   std::unique_ptr<ExportLayout> (*make)();
 };
 

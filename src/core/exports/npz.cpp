@@ -36,16 +36,13 @@ namespace {
 using Shape = std::vector<std::size_t>;
 using Files = std::vector<std::pair<std::string, std::string>>;
 
-// Returns NumPy's name of a type, such as "<f4".
-template <class T>
-std::string numpyType() {
-  return fmt::format("{}{}{}", sizeof(T) == 1 ? '|' : '<', std::is_floating_point_v<T> ? 'f' : 'u', sizeof(T));
-}
-
 // Adds the file of an array to `files`. `bytes`: the array's elements, which have the type T.
 template <class T>
 void add(std::string_view name, const Shape& shape, std::string_view bytes, Files& files) {
-  files.emplace_back(std::string(name) + ".npy", npyOf(numpyType<T>(), shape, bytes));
+  // NumPy's name of the type, such as "<f4".
+  const auto type =
+      fmt::format("{}{}{}", sizeof(T) == 1 ? '|' : '<', std::is_floating_point_v<T> ? 'f' : 'u', sizeof(T));
+  files.emplace_back(std::string(name) + ".npy", npyOf(type, shape, bytes));
 }
 
 void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {

@@ -66,14 +66,6 @@ Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point)
   return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};
 }
 
-std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
-  std::set<Instance> instances;
-  for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
-    if (const Instance instance = instanceOf(plan, scan, i); instance.id != 0) instances.insert(instance);
-  }
-  return instances;
-}
-
 // Returns the new number of each ring, counted from the lowest ring. If the rings are not cones, keeps the numbers.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
@@ -222,7 +214,7 @@ class NuScenes : public ExportLayout {
                     target.name, kMostClasses));
   }
 
-  mutable InstanceNumbers numbers_{"nuScenes", kMostInstances, instancesOf,
+  mutable InstanceNumbers numbers_{"nuScenes", kMostInstances, instanceOf,
                                    [](const ExportPlan& plan, std::uint16_t category) {
                                      return "instances of " + plan.classes.target().find(category)->name;
                                    }};

@@ -76,13 +76,9 @@ std::filesystem::path sequenceFolder(std::size_t number) {
   return std::filesystem::path("sequences") / fmt::format("{:02}", number);
 }
 
-// Returns the instances that a scan has, all in one group.
-std::set<InstanceNumbers::Instance> instanceIdsOf(const ExportPlan&, const Scan& scan) {
-  std::set<InstanceNumbers::Instance> instances;
-  for (const std::uint32_t id : std::set(scan[kInstance].begin(), scan[kInstance].end())) {
-    if (id != 0) instances.insert(InstanceNumbers::Instance{.group = 0, .id = id});
-  }
-  return instances;
+// Returns a point's instance; all instances are in one group.
+InstanceNumbers::Instance numberedInstance(const ExportPlan&, const Scan& scan, std::size_t point) {
+  return {.group = 0, .id = scan[kInstance].empty() ? 0 : scan[kInstance][point]};
 }
 
 // Returns flags as bits, eight per byte, the first in the highest bit.
@@ -106,8 +102,6 @@ class SemanticKitti : public ExportLayout {
   bool checksSamples(const ExportPlan& plan) const override { return plan.manifest.hasColumn("instance"); }
 
   void checkSample(const ExportPlan& plan, const ExportSample& sample) const override { numbers_.add(plan, sample); }
-
-  bool readsVoxels() const override { return true; }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
@@ -177,7 +171,7 @@ class SemanticKitti : public ExportLayout {
     const InstanceNumbers::Numbers numbers = newNumbers(sample.sequence);
     std::string bytes;
     for (const std::size_t i : order) {
-      const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
+      const std::uint32_t instance = numberedInstance(plan, scan, i).id;
       const std::uint16_t semantic = scan[kLabel][i];
       const std::uint32_t label =
           movingInstances.contains(instance) ? plan.classes.movingTargetId(semantic) : plan.classes.targetId(semantic);
@@ -280,7 +274,7 @@ class SemanticKitti : public ExportLayout {
     return text;
   }
 
-  mutable InstanceNumbers numbers_{"SemanticKITTI", kMostInstanceId, instanceIdsOf,
+  mutable InstanceNumbers numbers_{"SemanticKITTI", kMostInstanceId, numberedInstance,
                                    [](const ExportPlan&, std::uint16_t) { return std::string("instances"); }};
 };
 

@@ -19,8 +19,7 @@ double angleBetween(const Vec3d& a, const Vec3d& b) {
 }  // namespace
 
 std::uint32_t BeamGrid::rowOf(double elevation) {
-  const double row = (elevation / kPi + 0.5) * kUp;
-  return static_cast<std::uint32_t>(std::clamp(row, 0.0, kUp - 1.0));
+  return static_cast<std::uint32_t>(std::clamp((elevation / kPi + 0.5) * kUp, 0.0, kUp - 1.0));
 }
 
 std::uint32_t BeamGrid::columnOf(double azimuth) {

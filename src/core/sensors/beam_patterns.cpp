@@ -55,23 +55,21 @@ BeamRow readRow(const TextTable& table, std::size_t row) {
 // Returns the beams sorted by ring and column. `rows`: as many rows as rings * `columns`. Throws InputError if two of
 // them have the same ring and column.
 ListedBeams sortedBeams(const std::vector<BeamRow>& rows, std::uint32_t columns) {
-  ListedBeams beams;
-  beams.azimuth.resize(rows.size());
-  beams.elevation.resize(rows.size());
-  beams.time.resize(rows.size());
-  beams.origin.resize(rows.size());
-  std::vector<bool> isSet(rows.size());
+  std::vector<const BeamRow*> sorted(rows.size());
   for (const BeamRow& row : rows) {
-    const std::size_t beam = std::size_t{row.ring} * columns + row.column;
-    if (isSet[beam]) {
+    const BeamRow*& beam = sorted[std::size_t{row.ring} * columns + row.column];
+    if (beam != nullptr) {
       throw InputError(row.where, "has ring {}, column {} of an earlier line: give each beam one line", row.ring,
                        row.column);
     }
-    isSet[beam] = true;
-    beams.azimuth[beam] = row.azimuth;
-    beams.elevation[beam] = row.elevation;
-    beams.time[beam] = row.time;
-    beams.origin[beam] = row.origin;
+    beam = &row;
+  }
+  ListedBeams beams;
+  for (const BeamRow* const row : sorted) {
+    beams.azimuth.push_back(row->azimuth);
+    beams.elevation.push_back(row->elevation);
+    beams.time.push_back(row->time);
+    beams.origin.push_back(row->origin);
   }
   if (std::ranges::all_of(beams.origin, [](const Vec3f& o) { return o == Vec3f{}; })) beams.origin.clear();
   return beams;

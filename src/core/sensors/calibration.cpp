@@ -92,10 +92,6 @@ std::vector<Laser> readVelodyneLasers(const Value& file) {
   return lasers;
 }
 
-Value scalar(const std::string& text, const Location& where) {
-  return scalarValue(text, where);
-}
-
 // Adds an entry to a map, or replaces the entry with the same key.
 void setEntry(Value::Entry entry, Value& map) {
   std::erase_if(map.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
@@ -105,7 +101,7 @@ void setEntry(Value::Entry entry, Value& map) {
 // Returns a YAML list of the values of `member` of all lasers, in the lasers' order.
 Value listOf(const std::vector<Laser>& lasers, double Laser::*member, const Location& where) {
   Value list = sequenceValue({}, where);
-  for (const Laser& laser : lasers) list.items.push_back(scalar(fmt::format("{}", laser.*member), where));
+  for (const Laser& laser : lasers) list.items.push_back(scalarValue(fmt::format("{}", laser.*member), where));
   return list;
 }
 
@@ -119,7 +115,7 @@ void addToSource(Value& sensor, const Location& file) {
     source->value.text += "; " + calibration;
     return;
   }
-  Value text = scalar(calibration, file);
+  Value text = scalarValue(calibration, file);
   text.quoted = true;
   setEntry({"source", std::move(text)}, sensor);
 }
@@ -156,7 +152,7 @@ Unit readOusterUnit(const std::filesystem::path& file, const Value& value, const
   }
   const Location where{file.string()};
   const auto addKey = [&](const char* key, const std::string& text) {
-    unit.furtherKeys.push_back({key, scalar(text, where)});
+    unit.furtherKeys.push_back({key, scalarValue(text, where)});
   };
   const bool onlyWindow = !fields.has("columns") && !fields.has("field_deg");
   const std::uint32_t columns = onlyWindow ? m.windowColumns : m.columns;
@@ -301,7 +297,7 @@ Value withCalibration(const Value& value, const Value* preset) {
   const Location where{file.string()};
   Value sensor = value;
   std::erase_if(sensor.entries, [](const Value::Entry& e) { return e.key == "calibration"; });
-  setEntry({"ring_order", scalar(orderOf(unit.lasers), where)}, sensor);
+  setEntry({"ring_order", scalarValue(orderOf(unit.lasers), where)}, sensor);
   addToSource(sensor, where);
   for (const auto& [key, member] : kRingKeys) setEntry({key, listOf(unit.lasers, member, where)}, sensor);
   if (!fields.has("firing_time_us") && hasFiring(unit)) {

@@ -38,10 +38,7 @@ std::array<double, N> numbersOf(std::string_view text, const Location& where, co
 Quat checkedRotation(const Quat& q, const Location& where) {
   const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   if (!(std::fabs(norm - 1) < kMostRotationError)) {
-    throw InputError(where,
-                     "the quaternion has the length {:.3g}, not 1: is the order of its numbers "
-                     "right?",
-                     norm);
+    throw InputError(where, "the quaternion has the length {:.3g}, not 1: is the order of its numbers right?", norm);
   }
   return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
@@ -57,9 +54,7 @@ Affine readRigidTransform(std::string_view text, const Location& where) {
     deviation += std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
   }
   if (!(deviation < kMostRotationError)) {
-    throw InputError(where,
-                     "is not a rigid transform: its first three columns must be orthogonal unit "
-                     "vectors{}",
+    throw InputError(where, "is not a rigid transform: its first three columns must be orthogonal unit vectors{}",
                      determinant(affine.linear) < 0 ? " of right-handed axes; these are left-handed" : "");
   }
   return affine;

@@ -181,8 +181,7 @@ std::string RecordedPoses::warning() const {
   return fmt::format(
       "the vehicle drives at up to {:.4g} m/s (at {:.6g} s), is tilted by {:.0f} degrees on average and heads {:.0f} "
       "degrees off its way: are times in s, positions in m and angles in degrees (columns yaw_deg, pitch_deg, "
-      "roll_deg), "
-      "is the order of the quaternion right, or are the poses of a camera (`frame: camera`)?",
+      "roll_deg), is the order of the quaternion right, or are the poses of a camera (`frame: camera`)?",
       fastest, fastestTime, tilt, deviation);
 }
 

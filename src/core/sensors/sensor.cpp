@@ -215,8 +215,7 @@ void readListed(Fields& fields, BeamTable& table) {
   const double lastFiring = std::ranges::max(listed->time);  // s since the start of the revolution
   if (lastFiring >= table.period) {
     throw InputError(where.where,
-                     "the last beam of {} fires after {:.6g} s, but a revolution lasts {:.6g} s: "
-                     "lower rate_hz",
+                     "the last beam of {} fires after {:.6g} s, but a revolution lasts {:.6g} s: lower rate_hz",
                      file.string(), lastFiring, table.period);
   }
   for (std::uint32_t ring = 0; ring < table.rings; ++ring) {

@@ -285,8 +285,7 @@ void Trajectory::readDrive(Fields& fields, double period, double limit, std::uin
 void Trajectory::readRandomDrive(Fields& fields, double limit, const Location& where) {
   if (!std::isfinite(limit)) {
     throw InputError(where,
-                     "the length of a drive with `on` is known when its scene is loaded: give the number of "
-                     "`frames`");
+                     "the length of a drive with `on` is known when its scene is loaded: give the number of `frames`");
   }
   RandomPath random{.classes = fields.texts("on"), .where = where};
   if (random.classes.empty()) throw InputError(where, "on must name classes, such as [road]");

@@ -71,10 +71,11 @@ class Sampler {
         beams_(beams),
         options_(options),
         hits_(hits),
-        choice_(choiceFor(source, hits.channels, options)),
+        choice_(passesFor(hits.channels, options)),
         views_(viewsOf(source.cameras(), worldFromRig)),
         rigFromWorld_(transposed(toMatrix(worldFromRig.rotation))),
         rounds_(originsDiffer() ? kRounds : 1) {
+    choice_.surfaceParameters = !source.cameras().empty() && source.available().surfaceParameters;
     if (choice_.surfaceParameters) {
       for (auto* column : {&hits.roughness, &hits.metallic, &hits.retroreflectance}) column->resize(hits.size());
     }
@@ -98,12 +99,6 @@ class Sampler {
   }
 
  private:
-  static PassChoice choiceFor(const PixelSource& source, Channels channels, const SampleOptions& options) {
-    PassChoice choice = passesFor(channels, options);
-    choice.surfaceParameters = !source.cameras().empty() && source.available().surfaceParameters;
-    return choice;
-  }
-
   // Returns true if a camera or a beam's origin is not at the origin of the rig.
   bool originsDiffer() const {
     const auto isApart = [](const Vec3d& position) { return dot(position, position) > kSameOrigin * kSameOrigin; };

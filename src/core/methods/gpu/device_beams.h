@@ -32,8 +32,13 @@ class DeviceBeams {
   // Uploads the shots' poses and, unless the device has them already, the rays of their table. The kTables most
   // recently used tables stay on the device, because the sensors of a vehicle take turns.
   void ensureUploaded(const Shots& shots) {
-    std::vector<double> poses;
-    for (const ShotFrame* frame : shots.frames) appendPoses(*frame, poses);
+    std::vector<double> poses;  // per pose 12 numbers: for x, y and z, the rotation's row and the position's component
+    for (const ShotFrame* frame : shots.frames) {
+      for (std::size_t step = 0; step < frame->rotation.size(); ++step) {
+        const std::array<double, 16> rows = matrixRows({frame->rotation[step], frame->position[step]});
+        poses.insert(poses.end(), rows.begin(), rows.begin() + 12);
+      }
+    }
     poses_.upload(std::span<const double>(poses));
     const Shot& shot = *shots.shots.front();
     auto table = std::ranges::find_if(tables_, [&](const Table& t) {
@@ -77,14 +82,6 @@ class DeviceBeams {
     table.steps.upload(std::span<const std::uint32_t>(steps));
     table.beams = shot.beams;
     table.poses = shot.worldFromSensor.size();
-  }
-
-  // Appends 12 numbers per pose: for x, y and z, the row of the rotation and the component of the position.
-  static void appendPoses(const ShotFrame& frame, std::vector<double>& rows) {
-    for (std::size_t step = 0; step < frame.rotation.size(); ++step) {
-      const std::array<double, 16> matrix = matrixRows({frame.rotation[step], frame.position[step]});
-      rows.insert(rows.end(), matrix.begin(), matrix.begin() + 12);
-    }
   }
 
   ComputeDevice device_;

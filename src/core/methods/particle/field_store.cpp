@@ -72,7 +72,13 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
     bool isBuilder = false;
     {
       const std::scoped_lock lock(mutex_);
-      if (auto field = cachedField(world, shape)) return field;
+      const auto cached = std::ranges::find_if(fields_, [&](const CachedField& entry) {
+        return entry.world.lock() == world && entry.field->shape == shape;
+      });
+      if (cached != fields_.end()) {
+        fields_.splice(fields_.begin(), fields_, cached);  // most recently used first
+        return cached->field;
+      }
       isBuilder = construction_ == nullptr;
       if (isBuilder) construction_ = std::make_shared<Construction>(world, shape);
       construction = construction_;
@@ -90,16 +96,6 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
     if (construction->failure) std::rethrow_exception(construction->failure);
     return construction->field;
   }
-}
-
-// Returns the field if it is cached, otherwise null. The caller must have locked mutex_.
-std::shared_ptr<const DistanceField> FieldStore::cachedField(const std::shared_ptr<const World>& world,
-                                                             const FieldShape& shape) const {
-  const auto cached = std::ranges::find_if(
-      fields_, [&](const CachedField& entry) { return entry.world.lock() == world && entry.field->shape == shape; });
-  if (cached == fields_.end()) return nullptr;
-  fields_.splice(fields_.begin(), fields_, cached);  // most recently used first
-  return cached->field;
 }
 
 // Builds the field from its world's cached fields, the nearest first, and caches it. Stores exceptions in `failure`.

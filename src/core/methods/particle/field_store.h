@@ -38,8 +38,6 @@ class FieldStore {
 
   std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                                StageClock& clock) const;
-  std::shared_ptr<const DistanceField> cachedField(const std::shared_ptr<const World>& world,
-                                                   const FieldShape& shape) const;
   void build(Construction& construction, StageClock& clock) const;
   void cache(const Construction& construction) const;
 

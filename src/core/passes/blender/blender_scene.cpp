@@ -122,15 +122,13 @@ class SceneWriter {
                                   {"uvs", uvsEntry},
                                   {"triangles", arrays_.add<Triangle>(triangles, "u4", {count, 3})},
                                   {"materials", arrays_.add<std::uint16_t>(materials, "u2", {count})}});
-      for (const std::uint32_t i : instances) addObject(i, meshNumber, first, isPlacedOnce ? Affine() : placement(i));
+      for (const std::uint32_t i : instances) {
+        objects_.push_back({i + 1, static_cast<std::uint32_t>(first)});
+        meshNumbers_.push_back(meshNumber);
+        const std::array<double, 16> rows = matrixRows(isPlacedOnce ? Affine() : placement(i));
+        matrices_.insert(matrices_.end(), rows.begin(), rows.begin() + 12);
+      }
     }
-  }
-
-  void addObject(std::uint32_t instance, std::uint32_t meshNumber, std::size_t firstTriangle, const Affine& a) {
-    objects_.push_back({instance + 1, static_cast<std::uint32_t>(firstTriangle)});
-    meshNumbers_.push_back(meshNumber);
-    const std::array<double, 16> rows = matrixRows(a);
-    matrices_.insert(matrices_.end(), rows.begin(), rows.begin() + 12);
   }
 
   // Returns originFromMesh of an instance.

@@ -94,8 +94,7 @@ class CameraReader {
     constexpr double kRoundedRotation = 1e-5;  // largest difference() between an exact rotation and its float32
     constexpr const char* kMeaning =
         "the rows of the 4 x 4 matrix that takes points as column vectors from the camera (x right, y down, z forward) "
-        "to "
-        "the world (m), the last one 0 0 0 1";
+        "to the world (m), the last one 0 0 0 1";
     const auto& m = require<ExrMatrix4>(kPose, "m44d", kMeaning);
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) refuse(kPose, fmt::format("must be {}", kMeaning));
     const Mat3 matrix{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};

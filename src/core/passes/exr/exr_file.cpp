@@ -162,10 +162,8 @@ std::pair<std::uint32_t, std::uint32_t> sizeOf(const std::string& name, const Im
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
   if (width < 1 || height < 1 || width > kMostAcross || height > kMostAcross ||
       static_cast<std::uint64_t>(width * height) > kMostPixels) {
-    throw InputError({name},
-                     "its data window is {} x {} pixels: at most {} x {} and {} million in all are "
-                     "read",
-                     width, height, kMostAcross, kMostAcross, kMostPixels / 1'000'000);
+    throw InputError({name}, "its data window is {} x {} pixels: at most {} x {} and {} million in all are read", width,
+                     height, kMostAcross, kMostAcross, kMostPixels / 1'000'000);
   }
   return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
@@ -253,9 +251,7 @@ void requireWindow(const std::string& name, const Imf::Header& header, const std
                      windowText(data), windowText(header.displayWindow()));
   }
   if (firstPart && data != *firstPart) {
-    throw InputError({name},
-                     "its parts differ in size, {} and {}: write all passes of a camera with the "
-                     "same size",
+    throw InputError({name}, "its parts differ in size, {} and {}: write all passes of a camera with the same size",
                      windowText(*firstPart), windowText(data));
   }
 }

@@ -194,8 +194,7 @@ ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
 void reserve(ViewBatch& batch, std::uint64_t triangles, bool cut, std::uint64_t limit) {
   if (triangles > limit) {
     throw Error(
-        "the scene has {} triangles, more than the {} that can be drawn at once: take ray tracing, "
-        "or a smaller scene",
+        "the scene has {} triangles, more than the {} that can be drawn at once: take ray tracing, or a smaller scene",
         triangles, limit);
   }
   batch.positions.reserve(triangles * 9);

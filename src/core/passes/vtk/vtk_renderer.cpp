@@ -239,8 +239,7 @@ class DrawnView {
     }
     if (nextNumber_ > std::numeric_limits<std::uint32_t>::max()) {
       throw Error(
-          "the camera '{}' has {} triangles in view, more than can be told apart: take a smaller "
-          "range, or ray tracing",
+          "the camera '{}' has {} triangles in view, more than can be told apart: take a smaller range, or ray tracing",
           camera_.name, nextNumber_);
     }
   }

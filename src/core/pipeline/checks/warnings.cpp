@@ -166,8 +166,7 @@ std::vector<std::string> ruleWarnings(const Scene& scene) {
       if (names.size() < kFewestNodes) continue;
       lines.push_back(
           fmt::format("scene {}: {} nodes of the class {} in '{}' share one instance id: `instances: node` gives each "
-                      "its own, and `part` "
-                      "each group of connected triangles, if one thing has several nodes",
+                      "its own, and `part` each group of connected triangles, if one thing has several nodes",
                       scene.name, names.size(), scene.ontology.find(id)->name, mesh.name));
     }
   }

@@ -23,8 +23,8 @@ bool meansSensor(const Value& item) {
   return item.kind == Value::Kind::Scalar && item.text == "sensor";
 }
 
-bool meansNone(const NamedOptions& item) {
-  return item.options.kind == Value::Kind::Scalar && item.options.text == "none";
+bool meansNone(const Value& item) {
+  return item.kind == Value::Kind::Scalar && item.text == "none";
 }
 
 // Replaces the name of a class by its id. Throws InputError for a name or an id that no class has.
@@ -72,7 +72,7 @@ std::vector<ListedEffect> listedEffects(const std::vector<Value>& items, const E
                        "the same random numbers; leave one out",
                        named.name, earlier->where.file, earlier->where.line);
     }
-    if (meansNone(named)) continue;  // `EFFECT: none` changes nothing in a list without the word `sensor`
+    if (meansNone(named.options)) continue;  // `EFFECT: none` changes nothing in a list without the word `sensor`
     resolveLabels(named, entry, classes);
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();
@@ -126,7 +126,7 @@ Effects inOrder(std::vector<ListedEffect> effects) {
 }
 
 std::vector<Value> withoutNone(std::vector<Value> items) {
-  std::erase_if(items, [](const Value& item) { return item.kind == Value::Kind::Scalar && item.text == "none"; });
+  std::erase_if(items, meansNone);
   return items;
 }
 
@@ -191,8 +191,8 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
     const auto effect =
         std::ranges::find_if(expanded, [&](const Value& e) { return readNamed(e, "an effect").name == change.name; });
     if (effect == expanded.end()) {
-      if (!meansNone(change)) expanded.push_back(item);
-    } else if (meansNone(change)) {
+      if (!meansNone(change.options)) expanded.push_back(item);
+    } else if (meansNone(change.options)) {
       expanded.erase(effect);
     } else if (change.options.kind == Value::Kind::Map) {
       *effect = withKeysOf(readNamed(*effect, "an effect"), change);
@@ -332,8 +332,7 @@ std::vector<std::string> corruptionNames() {
 }
 
 std::string corruptionSummary(const std::string& name) {
-  const Value root = readCorruption(namedResource(name, kFolder));
-  return root.find("summary")->text;
+  return readCorruption(namedResource(name, kFolder)).find("summary")->text;
 }
 
 }  // namespace scanmill

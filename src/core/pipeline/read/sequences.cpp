@@ -21,13 +21,6 @@ namespace {
 
 using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
 
-// Returns the lanes of a scene's town. Throws InputError at `where`, the place of the key `along`, if the scene has
-// none.
-SceneLanes requireLanes(const std::filesystem::path& scene, std::uint64_t seed, const Location& where) {
-  if (std::optional<SceneLanes> lanes = readSceneLanes(scene, seed)) return *std::move(lanes);
-  throw InputError(where, "`along` follows the lanes of a town, but {} has no town: give waypoints", scene.string());
-}
-
 // Reads a list of trajectories. `period`: duration of the slowest sensor's revolution (s). `lanes`: lanes of the
 // scene's town; may be null if no trajectory follows a lane. `seed`: the scene's seed, which determines the sway of the
 // vehicle.
@@ -47,8 +40,7 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
       const auto [entry, isNew] = nameByKeyPart.emplace(keyPart(trajectory->name()), trajectory->name());
       if (isNew) continue;
       throw InputError(items[i].where,
-                       "two trajectories are named '{}' and '{}', both '{}' in file names: give one "
-                       "another name",
+                       "two trajectories are named '{}' and '{}', both '{}' in file names: give one another name",
                        entry->second, trajectory->name(), entry->first);
     }
   }
@@ -156,8 +148,12 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
     checkFrames(frames + seeds.size() * leastFrames(*list));
     for (const std::uint64_t seed : seeds) {
       if (along != nullptr) {
-        const SceneLanes lanes = requireLanes(file, seed, along->where);
-        trajectories = readTrajectories(*list, period, &lanes, seed);
+        const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
+        if (!lanes) {
+          throw InputError(along->where, "`along` follows the lanes of a town, but {} has no town: give waypoints",
+                           file.string());
+        }
+        trajectories = readTrajectories(*list, period, &*lanes, seed);
       }
       checkFrames(frames);
       for (const auto& trajectory : trajectories) {
@@ -172,8 +168,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
         frames += trajectory->frames();
         if (!keys.insert(sequences.back().key()).second) {
           throw InputError(item.where,
-                           "two sequences have the key '{}': list the scene once, or give one scene "
-                           "file another name",
+                           "two sequences have the key '{}': list the scene once, or give one scene file another name",
                            sequences.back().key());
         }
       }

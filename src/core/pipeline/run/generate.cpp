@@ -12,6 +12,7 @@
 
 #include "base/own_folder.h"
 #include "config/resources.h"
+#include "dataset/card.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/names.h"
@@ -281,13 +282,10 @@ class DatasetRun {
   void count(const Manifest& part) {
     summary_.manifest.ontology = part.ontology;
     summary_.samples += part.samples.size();
-    for (const SampleRecord& sample : part.samples) {
-      for (const ScanRecord& record : sample.scans) {
-        summary_.beams += record.beams;
-        summary_.points += record.points;
-        for (const auto& [id, points] : record.pointsPerClass) summary_.pointsPerClass[id] += points;
-      }
-    }
+    const ScanTotals totals = totalsOf(part);
+    summary_.beams += totals.beams;
+    summary_.points += totals.points;
+    for (const auto& [id, points] : totals.perClass) summary_.pointsPerClass[id] += points;
     for (const ShardRecord& shard : part.shards) summary_.bytes += shard.bytes;
   }
 

@@ -69,16 +69,13 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
   return totalAngle > 0 ? outsideAngle / totalAngle : 0;
 }
 
-std::unique_ptr<const Worlds> ownWorlds(const Scene& scene, const Method& method) {
-  if (method.worlds() != nullptr) return nullptr;
-  return std::make_unique<const Worlds>(scene, Instancing::Auto, HierarchyOptions{.occlusionFilter = thingFilter});
-}
-
 }  // namespace
 
 SceneObjects::SceneObjects(const Scene& scene, const Method& method)
     : boxes_(scene),
-      own_(ownWorlds(scene, method)),
+      own_(method.worlds() != nullptr ? nullptr
+                                      : std::make_unique<const Worlds>(
+                                            scene, Instancing::Auto, HierarchyOptions{.occlusionFilter = thingFilter})),
       unobstructed_(own_ != nullptr ? *own_ : *method.worlds(), boxes_) {}
 
 std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const BeamTable>& beams) const {

@@ -63,7 +63,8 @@ void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
   record.steps.push_back(std::move(written));
 }
 
-Recording Recorder::describe() const {
+void Recorder::finish() {
+  if (!records()) return;
   Recording recording{
       .kind = kind_, .programVersion = kVersion, .method = plan_.pipeline.methodName(), .ontology = ontology_};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
@@ -83,11 +84,7 @@ Recording Recorder::describe() const {
     }
     addItems(entered.modelled, recording.modelled);
   }
-  return recording;
-}
-
-void Recorder::finish() {
-  if (writer_) writer_->finish(describe());
+  writer_->finish(recording);
 }
 
 RenderSummary render(const Plan& plan, const RenderOptions& options) {

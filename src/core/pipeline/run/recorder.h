@@ -43,8 +43,6 @@ class Recorder {
   StageSeconds stageSeconds() const { return clock_.seconds(); }
 
  private:
-  Recording describe() const;
-
   const Plan& plan_;
   RecordingKind kind_;
   std::optional<RecordingWriter> writer_;

@@ -13,14 +13,6 @@ namespace scanmill {
 
 namespace {
 
-// Returns the random values of a scene and of a frame's settings, sorted by key.
-std::vector<DrawnValue> allDraws(const Scene& scene, const FrameSettings& settings) {
-  std::vector<DrawnValue> draws = scene.draws;
-  draws.insert(draws.end(), settings.draws.begin(), settings.draws.end());
-  std::ranges::sort(draws, {}, &DrawnValue::key);
-  return draws;
-}
-
 // Returns the number of beams of which at least one ray is unresolved. The rays of a beam need not be adjacent in
 // `hits`.
 std::uint64_t unresolvedBeams(const Hits& hits) {
@@ -145,7 +137,9 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   made.sample.split = sequence.split;
   const Frame frame = source_.frame(address.sequence, address.frame, Revolutions::All);
   const FrameSettings& settings = *frame.settings;
-  made.sample.draws = allDraws(loaded->scene, settings);
+  made.sample.draws = loaded->scene.draws;
+  made.sample.draws.insert(made.sample.draws.end(), settings.draws.begin(), settings.draws.end());
+  std::ranges::sort(made.sample.draws, {}, &DrawnValue::key);
   if (frame.shots.front().time != frame.time) made.sample.time = frame.time;
   TraceAccount account;
   std::optional<ObjectList> objects;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <exception>
 #include <list>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -182,12 +181,9 @@ void SceneStore::account(std::size_t sequence, const TraceAccount& account) {
 std::vector<std::string> SceneStore::warnings() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> lines;
-  std::set<std::string> seen;
   for (const SceneWarnings& reported : reported_) {
     for (const auto& warnings : {reported.ofScene, reported.ofPath, reported.account.warningTexts()}) {
-      for (const std::string& line : warnings) {
-        if (seen.insert(line).second) lines.push_back(line);
-      }
+      appendNew(warnings, lines);
     }
   }
   return lines;

@@ -97,8 +97,7 @@ class FreeSurface {
         reach = std::max(reach, distance);
       }
     }
-    const auto hits = probe_.first(rays, reach);
-    return std::ranges::none_of(hits, [](const auto& hit) { return hit.has_value(); });
+    return std::ranges::none_of(probe_.first(rays, reach), [](const auto& hit) { return hit.has_value(); });
   }
 
   // Returns the state one metre further along an arc; nothing if a vehicle has no room there, or if an obstacle is

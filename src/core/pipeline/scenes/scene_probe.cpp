@@ -4,18 +4,6 @@
 #include <cmath>
 
 namespace scanmill {
-namespace {
-
-constexpr double kBoundsMargin = 1;  // m, around the scene's bounds
-
-// Returns the distance (m) along a ray at which it leaves the slab between `low` and `high` along one axis; negative if
-// no point of the ray is in the slab. `start`, `direction`: the ray's coordinates along this axis.
-double slabExit(double low, double high, double start, double direction) {
-  if (direction == 0) return low <= start && start <= high ? INFINITY : -1;
-  return ((direction > 0 ? high : low) - start) / direction;
-}
-
-}  // namespace
 
 SceneProbe::SceneProbe(const Scene& scene, const Method* method, const MethodEntry* entry)
     : scene_(scene), bounds_(scene.bounds()), method_(method) {
@@ -25,11 +13,17 @@ SceneProbe::SceneProbe(const Scene& scene, const Method* method, const MethodEnt
 }
 
 double SceneProbe::endOf(const Ray& ray) const {
-  const Vec3d margin{kBoundsMargin, kBoundsMargin, kBoundsMargin};
-  const Box box{bounds_.low - margin, bounds_.high + margin};
-  return std::min({slabExit(box.low.x, box.high.x, ray.from.x, ray.direction.x),
-                   slabExit(box.low.y, box.high.y, ray.from.y, ray.direction.y),
-                   slabExit(box.low.z, box.high.z, ray.from.z, ray.direction.z)});
+  constexpr double kMargin = 1;  // m, around the scene's bounds
+  double end = INFINITY;
+  for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    const double low = bounds_.low.*axis - kMargin;
+    const double high = bounds_.high.*axis + kMargin;
+    const double start = ray.from.*axis;
+    const double direction = ray.direction.*axis;
+    if (direction == 0 && !(low <= start && start <= high)) return -1;
+    if (direction != 0) end = std::min(end, ((direction > 0 ? high : low) - start) / direction);
+  }
+  return end;
 }
 
 std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach) const {

@@ -251,8 +251,7 @@ std::shared_ptr<const Trajectory> ShotSource::trajectory(std::size_t sequence) {
 }
 
 std::unique_ptr<Method> ShotSource::method(const Scene& scene) const {
-  if (pipeline_.recording != nullptr) return makeRecordedMethod(pipeline_);
-  return makeMethod(pipeline_.method, scene);
+  return pipeline_.recording != nullptr ? makeRecordedMethod(pipeline_) : makeMethod(pipeline_.method, scene);
 }
 
 std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, std::uint32_t frame) {
