@@ -139,6 +139,42 @@ def of_dataset(folder):
     return {name: of_drive(samples) for name, samples in drives.items()}
 
 
+def small_surfaces(folder, rings=64, columns=1024):
+    """How rough surfaces are, by class and range (m): distances of a range from the mean of its neighbours in the ring (median,
+    75th and 90th percentile, mm; above .5 and 2 m, %), neighbours without return (%), difference to the ring above (median, m)."""
+    names = list(dict.fromkeys(COARSE.values()))
+    parts = {}
+    for sample in scanmill.open(folder):
+        scan, ontology = sample.scan(), sample.dataset.ontology
+        coarse = np.full(int(max(ontology.ids)) + 1, -1)
+        for name in ontology.names:
+            coarse[ontology.id_of(name)] = names.index(COARSE[name]) if name in COARSE else -1
+        distance = np.linalg.norm(scan.xyz, axis=1)
+        column = np.floor((np.pi - np.arctan2(scan.xyz[:, 1], scan.xyz[:, 0])) / (2 * np.pi) * columns).astype(int) % columns
+        order = np.argsort(-distance)  # so that the nearest of several points in a pixel stays
+        pixels = scan.ring[order], column[order]
+        image, classes = np.zeros((rings, columns)), np.full((rings, columns), -1)
+        image[pixels], classes[pixels] = distance[order], coarse[scan.label[order]]
+        left, right, above = np.roll(image, 1, 1), np.roll(image, -1, 1), np.roll(image, 1, 0)
+        alike = (np.roll(classes, 1, 1) == classes) & (np.roll(classes, -1, 1) == classes)
+        alike_above = np.roll(classes, 1, 0) == classes
+        alike_above[0] = False
+        for k, name in enumerate(names):
+            for low, high in ((3, 8), (8, 15), (15, 30), (30, 60)):
+                m = (classes == k) & (image >= low) & (image < high)
+                part = parts.setdefault((name, low, high), ([], [], []))
+                part[0].append(np.abs(image - (left + right) / 2)[m & alike])
+                part[1].append(right[m] == 0)
+                part[2].append(np.abs(image - above)[m & alike_above])
+    figures = {}
+    for key, columns_of in parts.items():
+        along, lost, over = map(np.concatenate, columns_of)
+        if len(along) and len(over):
+            shares = [100 * (along > limit).mean() for limit in (0.5, 2)]
+            figures[key] = [*(1000 * np.percentile(along, [50, 75, 90])), *shares, 100 * lost.mean(), np.median(over)]
+    return figures
+
+
 def summary(drives):
     """(median, least, greatest) over the drives that have a statistic, by its name."""
     names = dict.fromkeys(name for drive in drives.values() for name in drive)

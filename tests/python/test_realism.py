@@ -6,11 +6,13 @@ lidar/real_statistics.md; what stands on what was measured on the same scans.
 """
 
 import os
+import re
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
 import street_statistics
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data" / "lidar" / "real_statistics.md"
@@ -60,6 +62,7 @@ ROWS = {
     "distance of building": "distance of building points, median (m)",
     "distance of vegetation": "distance of vegetation points (m)",
 }
+LEAST_ALIKE = 100  # figures of small surfaces within a factor of 1.5 of the real ones
 FEET = {"building": 0.83}  # the share of a class's feet that stands on sidewalk
 
 
@@ -89,6 +92,7 @@ class Realism(unittest.TestCase):
             command = [os.environ["SCANMILL"], "generate", str(QUICKSTART), "-o", str(out), "--quiet"]
             subprocess.run(command, check=True, capture_output=True)
             cls.drives = street_statistics.of_dataset(out)
+            cls.small = street_statistics.small_surfaces(out)
 
     def test_drives_are_like_real_ones(self):
         self.assertEqual(len(self.drives), 12)
@@ -99,6 +103,18 @@ class Realism(unittest.TestCase):
                 self.assertLessEqual(abs(median - real[name][0]), abs(real[name][0]) / 3 + 1e-3)
                 self.assertLessEqual(least, real[name][2])
                 self.assertGreaterEqual(greatest, real[name][1])
+
+    def test_surfaces_in_the_small(self):
+        figures = []  # (real, simulated)
+        for line in SHARED.read_text().split("## Surfaces in the small", 1)[1].splitlines():
+            row = re.match(r"\| (\w+), (\d+)-(\d+) \|(.*)\|$", line)
+            if row:
+                real = [float(cell.split("/")[0]) for cell in row[4].split("|")]
+                figures += zip(real, self.small.get((row[1], int(row[2]), int(row[3])), [np.nan] * len(real)))
+        compared = [(real, simulated) for real, simulated in figures if real > 0.05]
+        alike = sum(real / 1.5 <= simulated <= real * 1.5 for real, simulated in compared)
+        self.assertEqual(len(compared), 208)
+        self.assertGreaterEqual(alike, LEAST_ALIKE)
 
     def test_what_stands_on_sidewalks(self):
         simulated = street_statistics.summary(self.drives)
