@@ -229,6 +229,7 @@ class DepthCameraMethod : public DepthCamera {
   }
 
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    requireRenderer();
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
     std::uint64_t beamsInNoImage = 0;
     StageClock clock(kStages);
@@ -244,6 +245,7 @@ class DepthCameraMethod : public DepthCamera {
   PassChoice passes(Channels channels) const override { return passesFor(channels, options_.sample); }
 
   TraceAccount draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const override {
+    requireRenderer();
     StageClock clock(kStages);
     for (PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const std::shared_ptr<const StepView> view = viewOf(shot, step);
@@ -346,6 +348,10 @@ class DepthCameraMethod : public DepthCamera {
     const double reach = (table.maxRange + std::sqrt(farthestOrigin2)) * (1 + kReachMargin) + kReachMargin;
     const double farthest = options_.farthest > 0 ? options_.farthest : std::max(reach, 2 * options_.sample.nearest);
     return {.nearest = options_.sample.nearest, .farthest = farthest, .reach = reach};
+  }
+
+  void requireRenderer() const {
+    if (!makeRenderer_) throw Error("the passes are read from files, so that no images can be drawn");
   }
 
   // Returns the renderer, created at the first call. The caller must have locked rendererMutex_.
