@@ -54,7 +54,8 @@ class BlockMaker {
     const bool shed = block.floors == 0;
     const bool hangs = block.base > 0;
     const char* wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
-    if (shed && draw_.chance(0.4)) wall = "wood";
+    constexpr double kHighestWood = 4;  // m
+    if (shed && block.height < kHighestWood && draw_.chance(0.4)) wall = "wood";
     look_ = facadeLook(s_, wall, draw_);
     look_.foundation = hangs ? block.base : kBelowSlopes;
     base_ = shed ? 0 : draw_.in(0.1, 0.4);

@@ -36,7 +36,7 @@ enum class Kind : std::uint32_t {
   Crossing, Signals, GardenThings, TownPond, Square, Animals, RoadLamps, RoadSigns, MouthSign, Shelters, RoadFurniture,
   MapTree, Avenue, ParkTrees, GardenTrees, GardenBushes, WoodLattice, GrassAlongRoads, SidewalkParking, ParkedCar,
   ForecourtCars, StandingVehicles, PassingTraffic, SideTraffic, RoadCyclists, PeopleCounts, Pedestrian, ParkedBicycles,
-  SidewalkCyclist, ParkedMotorcycles, EgoLine, Sidewalk, Panel,
+  SidewalkCyclist, ParkedMotorcycles, EgoLine, Sidewalk, Panel, BuildingLine, RearBuildings,
 };
 // clang-format on
 

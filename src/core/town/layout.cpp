@@ -69,6 +69,10 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
       addPlots(road, side, road.main ? mainFrom : kFirstPlot, road.main ? mainTo : road.length() - kBehindPlots);
     }
   }
+  // After all plots, since plots come first on the ground that is left.
+  for (const models::House& house : houses) {
+    if (character.terraced) addRearBuildings(house);
+  }
   setLevels();
 }
 

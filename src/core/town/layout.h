@@ -166,6 +166,7 @@ class Layout {
   struct PlotHouse;
   PlotHouse drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const;
   bool buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw);
+  void addRearBuildings(const models::House& house);
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;

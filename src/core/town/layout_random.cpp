@@ -301,14 +301,17 @@ struct Layout::PlotHouse {
 void Layout::addPlots(const Road& road, int side, double from, double to) {
   constexpr double kLeastPlot = 8;  // m; a shorter interval at the end of a road gets no plot
   constexpr double kIntoPlot = 6;   // m from the plot's front to the point at which areas are tested
+  const double buildingLine =       // m behind the sidewalk, of attached houses
+      character.setback +
+      Draw(seed, Kind::BuildingLine, 2 * road.number + (side > 0 ? 1u : 0u)).in(-1, 1) * character.setbackSpread;
   double start = from;
   while (to - start > kLeastPlot) {
     const auto number = static_cast<std::uint32_t>(plots.size());
     Draw draw(seed, Kind::Plot, number);
     Plot plot{.number = number, .road = road.number, .side = side, .from = start};
     plot.to = std::min(to, start + draw.around(character.plotWidth, 0.3));
-    plot.setback =
-        std::max(character.terraced ? 0.35 : 1.0, character.setback + draw.in(-1, 1) * character.setbackSpread);
+    plot.setback = character.terraced ? std::max(0.35, buildingLine + draw.in(-0.15, 0.15))
+                                      : std::max(1.0, character.setback + draw.in(-1, 1) * character.setbackSpread);
     PlotHouse plotHouse = drawPlotHouse(draw, road, plot);
     plot.depth = plotHouse.house.depth;
     plot.fencing = drawFencing(draw, plot.setback);
@@ -330,7 +333,7 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
   const Character& c = character;
   const bool halls = c.commercial;
   PlotHouse result;
-  result.attached = c.terraced && draw.chance(0.75);
+  result.attached = c.terraced && draw.chance(0.95);
   const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);
   const Point2 heading = road.heading((plot.from + plot.to) / 2);
   const auto widthAt = [&](double lateral) {
@@ -375,6 +378,41 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   if (plotHouse.hasDriveway) house.garage = addDriveway(house, yaw, road.section.outer(), draw);
   houses.push_back(house);
   return true;
+}
+
+// Adds plain buildings behind a house, each behind a court, so that gaps in a closed street do not show open land.
+void Layout::addRearBuildings(const House& house) {
+  constexpr int kRows = 3;
+  constexpr double kOpen = 0.2;                              // fraction of the rows that stay open
+  constexpr double kStorey = 3, kGap = 0.1, kOverlap = 0.8;  // m; the last: see buildOn()
+  const double yaw = std::atan2(house.pose.linear.x.y, house.pose.linear.x.x);
+  Draw draw(seed, Kind::RearBuildings, house.number);
+  double behind = house.depth;  // m behind the front of the house
+  for (int row = 0; row < kRows; ++row) {
+    const double court = draw.in(5, 10), depth = draw.in(7, 12);
+    const Vec3d middle = house.pose * Vec3d{house.width / 2, behind + court + depth / 2, 0};
+    const Footprint rear{{middle.x, middle.y}, house.width / 2 - kGap, depth / 2, yaw};
+    behind += court + depth;
+    const int floors = 1 + draw.below(character.floorsHigh);
+    if (draw.chance(kOpen)) continue;
+    if (!isOffRoads(rear, 1.5) || !occupied_.isFree({rear.center, rear.halfX - kOverlap, rear.halfY, yaw})) return;
+    occupied_.add({rear.center, rear.halfX - kOverlap, rear.halfY, yaw});
+    covers.push_back(rear);
+    PlacedBlock placed;
+    placed.about = rear;
+    placed.entrance = rear.at(0, -rear.halfY - kGap);
+    for (const Point2& p : cornersOf(rear)) {
+      placed.block.outline.push_back({p.x - rear.center.x, p.y - rear.center.y});
+    }
+    const auto onRidge = [&](double along) { return Point2{along * std::cos(yaw), along * std::sin(yaw)}; };
+    placed.block.rise = draw.chance(0.6) ? depth * draw.in(0.2, 0.4) : 0;
+    placed.block.ridge = {onRidge(-rear.halfX), onRidge(rear.halfX)};
+    placed.block.floors = 0;
+    placed.block.height = kStorey * floors;
+    placed.block.door = false;
+    placed.block.number = static_cast<std::uint32_t>(blocks.size());
+    blocks.push_back(std::move(placed));
+  }
 }
 
 // Adds a paved forecourt, or a path to the road. `width`: width of the plot; `outer`: distance to the carriageway (m).

@@ -179,7 +179,7 @@ TEST(Town, RowsOfHousesStandOnBothSidesOfBends) {
   }
   for (const Side& side : {inner, outer}) {
     EXPECT_GT(side.neighbours, 100);
-    EXPECT_NEAR(static_cast<double>(side.touching) / side.neighbours, 0.75 * 0.75, 0.12);
+    EXPECT_NEAR(static_cast<double>(side.touching) / side.neighbours, 0.95 * 0.95, 0.12);
   }
   EXPECT_NEAR(static_cast<double>(inner.built) / inner.plots, static_cast<double>(outer.built) / outer.plots, 0.08);
 }

@@ -301,8 +301,7 @@ TEST(WeatherEffect, PresetsDoNotReportHaze) {
   EXPECT_GT(count, 15);
 }
 
-// Sensors that find a target of 10 % at 35 to 75 m report fog that drivers call dense, and haze only if they are the most
-// sensitive of them. Hahner et al. take the returns
+// Sensors that find a target of 10 % at 35 to 75 m report fog that drivers call dense. Hahner et al. take the returns
 // between 1.75 and 10 m, above the ground, as the fog in scans of an HDL-64E in dense fog (extract_fog.py of their
 // program LiDAR_fog_sim, for the dataset Seeing Through Fog).
 TEST(WeatherEffect, PresetsReportDenseFogWithinTenMetres) {
