@@ -7,9 +7,10 @@
 
 #include <cerrno>
 #include <memory>
-#include <ranges>
+#include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -121,7 +122,9 @@ Scan decodeMember(const std::string& name, std::string_view bytes) {
   const std::string suffix = dot == std::string::npos ? std::string() : name.substr(dot + 1);
   const FormatEntry* entry = formatBySuffix(suffix);
   if (entry == nullptr) {
-    const auto suffixes = formats() | std::views::transform(&FormatEntry::suffix);
+    std::vector<std::string_view> suffixes;
+    suffixes.reserve(formats().size());
+    for (const FormatEntry& known : formats()) suffixes.push_back(known.suffix);
     throw InputError({name}, "no format reads '.{}' (known: .{})", suffix, fmt::join(suffixes, ", ."));
   }
   const Value noOptions = mapValue();

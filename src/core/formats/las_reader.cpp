@@ -317,6 +317,7 @@ class LasReader {
     const double scale = (options & kHasScale) != 0 ? numberAt<double>(described_, 112) : 1;
     const double offset = (options & kHasOffset) != 0 ? numberAt<double>(described_, 136) : 0;
     std::vector<double> scaled;
+    scaled.reserve(values.size());
     for (const T value : values) scaled.push_back(static_cast<double>(value) * scale + offset);
     cloud_.scan.foreign.back().values = std::move(scaled);
   }
