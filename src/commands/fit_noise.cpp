@@ -88,8 +88,9 @@ NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, co
         what, spread.rings, sigma, spread.agreement,
         spread.agreement < kOwnErrors ? ": too little, so they count as noise and are left out" : "");
   };
-  printRings("offsets", fit.rings.range, fmt::format("{:.1f} mm", 1000 * fit.rings.range.sigma));
-  printRings("elevations", fit.rings.elevation, fmt::format("{:.3f} deg", degrees(fit.rings.elevation.sigma)));
+  printRings("offsets of the range", fit.rings.range, fmt::format("{:.1f} mm", 1000 * fit.rings.range.sigma));
+  printRings("errors of the elevation", fit.rings.elevation,
+             fmt::format("{:.3f} deg", degrees(fit.rings.elevation.sigma)));
   if (fit.rings.elevation.rings == 0)
     printText("errors of elevation count as offsets: both walls and level ground tell them apart\n");
   printRings("gains", fit.rings.gain, fmt::format("{:.1f} %", 100 * fit.rings.gain.sigma));

@@ -95,7 +95,7 @@ class PathCheck {
     const double clearance = trajectory_->clearanceByDefault();
     if (trajectory_->ground() == nullptr && clearance > 0 && clearance < kLeastFlight) {
       report(
-          fmt::format("its path is {:.2f} m from the ground on average, so that it flies: `ground: drop` puts the "
+          fmt::format("its path is {:.2f} m off the ground on average and keeps its heights: `ground: drop` puts the "
                       "vehicle on its wheels, `ground: none` keeps it there without this line",
                       clearance));
     } else if (trajectory_->ground() != nullptr && clearance > kMostShift) {
