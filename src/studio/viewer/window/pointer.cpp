@@ -20,6 +20,7 @@ std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
   }
   std::ranges::sort(returns, {}, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
   std::vector<Vec3f> positions;
+  positions.reserve(returns.size());
   for (const std::size_t i : returns) positions.push_back(viewed.drawnPositions()[i]);
   return positions;
 }
