@@ -277,7 +277,7 @@ void appendHedgeCore(Shape& s, SurfaceIndex leaf, double height, double depth) {
     std::vector<Vec3d>& row = rows.emplace_back();
     for (int k = 0; k <= kAround; ++k) {
       const double z = (height - kBelowLeaves) * std::min(1.0, double(std::min(k, kAround - k)) / kSide);
-      // From 1 at the left side to -1 at the right side.
+      // `across` falls from 1 at the left side to -1 at the right side.
       const double across = std::clamp((kAround - 2.0 * k) / (kAround - 2 * kSide), -1.0, 1.0);
       const double y = (depth / 2 - kBelowLeaves) * across;
       row.push_back(inHedge({2.0 * std::clamp(i, 0, kAlong) / kAlong - 1, atEnd ? 0 : y, z}));

@@ -226,10 +226,11 @@ std::string ringBiasYaml(const RingErrors& rings) {
       fmt::format("  # Rings differ: odd and even patches agree on their offsets by a correlation of {:.2f}",
                   rings.range.agreement);
   if (rings.gain.rings > 0) text += fmt::format(", on their\n  # gains by {:.2f}", rings.gain.agreement);
+  text += fmt::format(" ({} rings).\n", rings.range.rings);
   if (rings.elevation.rings == 0) {
-    text += ".\n  # Without both walls and level ground, errors of elevation count as errors of range";
+    text += "  # Without both walls and level ground, errors of elevation count as errors of range.\n";
   }
-  return text + fmt::format(" ({} rings).\n  - ring_bias: {{{}}}\n", rings.range.rings, keys);
+  return text + fmt::format("  - ring_bias: {{{}}}\n", keys);
 }
 
 // The lines of a file from index `first` to `end`, which is excluded.
@@ -324,7 +325,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   // Grazing views of level ground tell errors of the rings' elevations from those of their ranges.
   FlatPatches ringPatches = usedPatches;
   for (const FlatPatch& p : patches) {
-    if (p.incidence < kSteep && std::abs(normalized(p.plane).z) > 0.9) ringPatches.push_back(&p);
+    if (p.incidence < kSteep && std::abs(normalized(p.plane).z) > kLeastLevel) ringPatches.push_back(&p);
   }
   fit.rings = fitRingErrors(beams, scans, ringPatches);
   return fit;

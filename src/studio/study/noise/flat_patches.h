@@ -30,6 +30,8 @@ constexpr std::uint32_t kPatchColumns = 9;
 constexpr double kMostIncidenceDegrees = 60;
 inline const double kSteep = std::cos(radians(kMostIncidenceDegrees));
 
+constexpr double kLeastLevel = 0.9;  // least vertical component of the unit normals of level patches
+
 // The position of a patch in a scan's image of beams.
 struct PatchWindow {
   std::uint32_t scan = 0;    // index of the recorded scan

@@ -188,8 +188,8 @@ std::vector<RingSpread> ringSpreadsOf(const std::array<RingSystem, 2>& halves) {
 
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<const FlatPatch*>& patches) {
-  constexpr std::size_t kFewestOfEach = 30;                 // upright and level patches that tell the two kinds apart
-  constexpr double kMostUpright = 0.35, kLeastLevel = 0.9;  // vertical component of a patch's normal
+  constexpr std::size_t kFewestOfEach = 30;  // upright and level patches that tell the two kinds apart
+  constexpr double kMostUpright = 0.35;      // vertical component of a patch's normal, see kLeastLevel
   const auto countOf = [&](auto isKind) {
     return static_cast<std::size_t>(
         std::ranges::count_if(patches, [&](const FlatPatch* p) { return isKind(std::abs(normalized(p->plane).z)); }));
@@ -206,7 +206,8 @@ RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>
     if (values.ranges.size() >= kFewestBeams) {
       addTo(ranges[p % 2], values.ranges, 3, 1 / std::max(patches[p]->testedLines.variance(), 1e-8));  // a plane
     }
-    if (values.logIntensities.size() < kFewestBeams) continue;
+    // Grazing views are darker by more than the slope over a patch's rows explains.
+    if (patches[p]->incidence < kSteep || values.logIntensities.size() < kFewestBeams) continue;
     hasIntensities = true;
     addTo(gains[p % 2], values.logIntensities, 2);  // a constant and a slope
   }

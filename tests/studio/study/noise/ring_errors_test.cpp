@@ -53,8 +53,9 @@ TEST(RingErrors, OfElevationAreToldFromThoseOfRange) {
                                            "{{sigma_m: 0.008}}]",
                                            c.range, c.elevation),
                                0);
-    EXPECT_NEAR(fit.rings.range.sigma, c.range, 0.2 * c.range + 0.003) << c.range << " m, " << c.elevation << " deg";
-    EXPECT_NEAR(degrees(fit.rings.elevation.sigma), c.elevation, 0.2 * c.elevation + 0.01)
+    EXPECT_NEAR(fit.rings.range.sigma, c.range, c.range > 0 ? 0.2 * c.range : 0.003)
+        << c.range << " m, " << c.elevation << " deg";
+    EXPECT_NEAR(degrees(fit.rings.elevation.sigma), c.elevation, c.elevation > 0 ? 0.2 * c.elevation : 0.01)
         << c.range << " m, " << c.elevation << " deg";
   }
 }

@@ -94,7 +94,7 @@ TEST(ViewSession, EveryKeyDoesWhatItSays) {
   before["f"] = pointAt(3 * 72);
   before["x"] = pointAt(3 * 72 + 70);
   before["Escape"] = press({"h"});
-  // By the first key of a command.
+  // The keys of this table are the first keys of the commands.
   std::map<std::string, Aspects> changes{{"a", {"axes"}},
                                          {"r", {"rings"}},
                                          {"t", {"track"}},
