@@ -67,7 +67,7 @@ class BareEmbree {
     }
   }
 
-  void trace(std::size_t order, std::size_t width) {
+  void trace(std::size_t order) {
     const std::vector<RTCRay16>& packets = orders_[order];
     results_.resize(packets.size());
     parallelFor(packets.size(), 128, [&](std::size_t first, std::size_t last) {
@@ -79,11 +79,7 @@ class BareEmbree {
         r.ray = packets[i];
         std::fill_n(r.hit.geomID, 16, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(r.hit.instID[0], 16, RTC_INVALID_GEOMETRY_ID);
-        if (width == 16) {
-          intersectPacket(scene_.get(), context, valid, r);
-        } else {
-          for (unsigned k = 0; k < 16; ++k) traceOne(r, k, context);
-        }
+        intersectPacket(scene_.get(), context, valid, r);
       }
     });
   }
@@ -98,27 +94,6 @@ class BareEmbree {
     p.mask[i] = ~0u;
     p.id[i] = static_cast<unsigned>(i);
     p.flags[i] = 0;
-  }
-
-  void traceOne(RTCRayHit16& packet, unsigned k, EmbreeContext& context) const {
-    RTCRayHit one;
-    one.ray = {packet.ray.org_x[k],
-               packet.ray.org_y[k],
-               packet.ray.org_z[k],
-               0,
-               packet.ray.dir_x[k],
-               packet.ray.dir_y[k],
-               packet.ray.dir_z[k],
-               0,
-               packet.ray.tfar[k],
-               ~0u,
-               k,
-               0};
-    one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    intersectOne(scene_.get(), context, one);
-    packet.ray.tfar[k] = one.ray.tfar;
-    packet.hit.primID[k] = one.hit.primID;
   }
 
   BareScene scene_;

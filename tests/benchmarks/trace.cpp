@@ -53,26 +53,23 @@ void traceAgainstBare(benchmark::State& state) {
   BareEmbree bare(scene(), *beams);
   const auto ours = [&] { method->trace(shot, Channels::all(), hits); };
   ours();
-  for (std::size_t order : {0, 1}) bare.trace(order, 16);
+  for (std::size_t order : {0, 1}) bare.trace(order);
   std::vector<double> oursSeconds;
   std::vector<double> bareSeconds[2];
-  std::vector<double> oneSeconds;
   // Each in blocks, as a dataset is made: frame after frame with the caches to itself.
   for (auto _ : state) {
     const double seconds = median(secondsOfEach(10, ours));
     oursSeconds.push_back(seconds);
     state.SetIterationTime(seconds);
     for (std::size_t order : {0, 1}) {
-      bareSeconds[order].push_back(median(secondsOfEach(10, [&] { bare.trace(order, 16); })));
+      bareSeconds[order].push_back(median(secondsOfEach(10, [&] { bare.trace(order); })));
     }
-    oneSeconds.push_back(secondsOf([&] { bare.trace(0, 1); }));
   }
   const double best = std::min(median(bareSeconds[0]), median(bareSeconds[1]));
   const auto rays = static_cast<double>(beams->size());
   state.counters["rays/s"] = rays / median(oursSeconds);
   state.counters["bare_rays/s"] = rays / best;
   state.counters["of_bare"] = best / median(oursSeconds);
-  state.counters["one_ray_at_a_time_of_bare"] = best / median(oneSeconds);
 }
 BENCHMARK(traceAgainstBare)->Arg(64)->Arg(512)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(20);
 
