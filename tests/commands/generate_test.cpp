@@ -149,17 +149,13 @@ TEST_F(Generate, StoppedRunsSaySo) {
   }
 }
 
-// Whatever the number of threads and processes, whoever is killed: one set of bytes.
+// Whatever the number of processes, whoever is killed: one set of bytes.
 TEST_F(Generate, SharedOutOverProcessesTheDatasetIsTheSame) {
   const auto command = [&](const std::string& folder, const std::vector<std::string>& more) {
     return withSettings({testedProgram(), "generate", pipeline_, "-q", "-o", at(folder)},
                         {"output={formats: [csv], shard_samples: 2}", "trajectories.0.every_s=1e-3",
                          "trajectories.0.frames=100", "sensors.0.columns=512"},
                         more);
-  };
-  const auto run = [&](const std::string& folder, const std::vector<std::string>& more) {
-    RunningProgram process(command(folder, more));
-    return process.wait();
   };
   const auto expectSame = [&](const std::string& folder) {
     SCOPED_TRACE(folder);
@@ -170,11 +166,7 @@ TEST_F(Generate, SharedOutOverProcessesTheDatasetIsTheSame) {
     }
     EXPECT_EQ(filesEndingIn("", at(folder)).size(), files.size());
   };
-  ASSERT_EQ(run("whole", {}).code, 0);
-  for (const std::string threads : {"1", "8"}) {
-    ASSERT_EQ(run("threads" + threads, {"--threads", threads}).code, 0);
-    expectSame("threads" + threads);
-  }
+  ASSERT_EQ(RunningProgram(command("whole", {})).wait().code, 0);
   {
     std::vector<std::unique_ptr<RunningProgram>> workers;
     for (const std::string worker : {"0", "1", "2"}) {
