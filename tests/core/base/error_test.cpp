@@ -1,7 +1,8 @@
 #include "base/error.h"
 
 #include <new>
-#include <thread>
+
+#include "tests/support/on_threads.h"
 
 namespace scanmill {
 namespace {
@@ -33,14 +34,10 @@ TEST(ReasonOf, IsInWordsOfUsers) {
 TEST(Warn, SaysEachTextOnce) {
   const std::size_t before = warningCount();
   testing::internal::CaptureStderr();
-  std::vector<std::thread> threads;
-  for (int i = 0; i < 8; ++i) {
-    threads.emplace_back([] {
-      warn("the texture leaf.png is missing");
-      warn("the texture bark.png is missing");
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  onThreads(8, [](std::size_t) {
+    warn("the texture leaf.png is missing");
+    warn("the texture bark.png is missing");
+  });
   const std::string shown = testing::internal::GetCapturedStderr();
   EXPECT_EQ(warningCount(), before + 2);
   const std::string leaf = "warning: the texture leaf.png is missing\n";

@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "images/images_interface.h"
 #include "tests/support/message_of.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -384,22 +385,18 @@ TEST(Images, JpegOfHundredsOfScansIsReadAndOfMoreRefused) {
   std::atomic<int> waiting{threads};
   std::atomic<int> readWithout{0};
   std::atomic<int> right{0};
-  {
-    std::vector<std::jthread> pool;
-    for (int i = 0; i < threads; ++i) {
-      pool.emplace_back([&, i] {
-        const std::vector<std::uint8_t> rgb = noise(20 + i, 30);
-        --waiting;
-        while (waiting > 0) std::this_thread::yield();
-        const bool same = withoutAlpha(decodeImage(encodePng(rgb.data(), 20 + i, 30), "a.png")) == rgb &&
-                          decodeImage(jpeg(rgb, 20 + i, 30, {}), "a.jpg").width == 20u + static_cast<unsigned>(i);
-        if (same && !isOpenImageIoLoaded()) ++right;
-        ++readWithout;
-        while (readWithout < threads) std::this_thread::yield();
-        if (decodeImage(tga(1, 1, "\1\2\3", 24, 0), "a.tga").rgba[0] == 3) ++right;
-      });
-    }
-  }
+  onThreads(static_cast<std::size_t>(threads), [&](std::size_t thread) {
+    const int width = 20 + static_cast<int>(thread);
+    const std::vector<std::uint8_t> rgb = noise(width, 30);
+    --waiting;
+    while (waiting > 0) std::this_thread::yield();
+    const bool same = withoutAlpha(decodeImage(encodePng(rgb.data(), width, 30), "a.png")) == rgb &&
+                      decodeImage(jpeg(rgb, width, 30, {}), "a.jpg").width == static_cast<unsigned>(width);
+    if (same && !isOpenImageIoLoaded()) ++right;
+    ++readWithout;
+    while (readWithout < threads) std::this_thread::yield();
+    if (decodeImage(tga(1, 1, "\1\2\3", 24, 0), "a.tga").rgba[0] == 3) ++right;
+  });
   std::exit(isOpenImageIoLoaded() && right == 2 * threads ? 0 : 1);
 }
 

@@ -5,11 +5,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "config/fields.h"
 #include "methods/method.h"
+#include "tests/support/on_threads.h"
 
 namespace scanmill {
 
@@ -39,13 +39,9 @@ inline std::vector<Hits> tracedByThreads(const Method& method, std::size_t shots
                                          const std::function<Shot(std::size_t)>& shotOf) {
   constexpr std::size_t kThreads = 8;
   std::vector<Hits> made(shots);
-  std::vector<std::thread> threads;
-  for (std::size_t t = 0; t < kThreads; ++t) {
-    threads.emplace_back([&, t] {
-      for (std::size_t i = t; i < shots; i += kThreads) made[i] = traced(method, shotOf(i));
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  onThreads(kThreads, [&](std::size_t thread) {
+    for (std::size_t i = thread; i < shots; i += kThreads) made[i] = traced(method, shotOf(i));
+  });
   return made;
 }
 

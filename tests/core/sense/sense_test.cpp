@@ -1,8 +1,8 @@
 #include <cstring>
 #include <map>
-#include <thread>
 
 #include "tests/core/sense/world.h"
+#include "tests/support/on_threads.h"
 
 namespace scanmill {
 namespace {
@@ -123,14 +123,10 @@ TEST(Sense, ReusedBuffersAndOtherThreadsGiveTheSameBytes) {
   sense({list, big.materials, kEvery}, big.hits, big.shot, scratch, scan);
   EXPECT_TRUE(sameBytes(scan, expected));
   std::vector<Scan> scans(4);
-  std::vector<std::thread> threads;
-  for (Scan& mine : scans) {
-    threads.emplace_back([&] {
-      Returns own;
-      for (int i = 0; i < 3; ++i) sense({list, big.materials, kEvery}, big.hits, big.shot, own, mine);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  onThreads(scans.size(), [&](std::size_t thread) {
+    Returns own;
+    for (int i = 0; i < 3; ++i) sense({list, big.materials, kEvery}, big.hits, big.shot, own, scans[thread]);
+  });
   for (const Scan& mine : scans) EXPECT_TRUE(sameBytes(mine, expected));
 }
 

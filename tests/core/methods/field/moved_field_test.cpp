@@ -1,11 +1,11 @@
 // Fields that move share their bricks.
 
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "methods/field/distance_field.h"
 #include "tests/core/methods/field/triangle_soup.h"
+#include "tests/support/on_threads.h"
 
 namespace scanmill {
 namespace {
@@ -70,17 +70,13 @@ TEST(MovedField, MovesOnSeveralThreads) {
   const auto world = worldOf(scene);
   const auto start = buildField(*world, shapeAt({}, 0.1, 32, 3, true));
   const auto roomy = buildField(*world, shapeAt({0.8, 0, 0}, 0.1, 32, 3, true), {start});
-  std::vector<std::thread> threads;
-  for (int t = 0; t < 4; ++t) {
-    threads.emplace_back([&, t] {
-      for (int step = 1; step <= 4; ++step) {
-        const FieldShape shape = shapeAt({0.8 + 0.8 * (t % 2), 0.4 * step, 0}, 0.1, 32, 3, true);
-        const auto moved = buildField(*world, shape, {roomy});
-        EXPECT_TRUE(sameField(*moved, *buildField(*world, shape)));
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  onThreads(4, [&](std::size_t thread) {
+    for (int step = 1; step <= 4; ++step) {
+      const FieldShape shape = shapeAt({thread % 2 == 0 ? 0.8 : 1.6, 0.4 * step, 0}, 0.1, 32, 3, true);
+      const auto moved = buildField(*world, shape, {roomy});
+      EXPECT_TRUE(sameField(*moved, *buildField(*world, shape)));
+    }
+  });
 }
 
 TEST(MovedField, IsAsIfBuiltAnew) {

@@ -1,9 +1,9 @@
 #include "methods/particle/field_store.h"
 
-#include <thread>
 #include <vector>
 
 #include "base/parallel.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -93,16 +93,13 @@ TEST(FieldStore, ServesSeveralThreads) {
   }
   const FieldStore store(scene, smallField());
   StageClock clock;
-  std::vector<std::thread> threads;
-  for (int t = 0; t < 4; ++t) {
-    threads.emplace_back([&, t] {
-      for (int i = 0; i < 2 * kPlaces; ++i) {
-        const int k = (i * (t + 1) + t) % kPlaces;
-        EXPECT_EQ(trianglesAt(store.around(sensorAt(k), kRange, clock)), expected[static_cast<std::size_t>(k)]);
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  onThreads(4, [&](std::size_t thread) {
+    const int t = static_cast<int>(thread);
+    for (int i = 0; i < 2 * kPlaces; ++i) {
+      const int k = (i * (t + 1) + t) % kPlaces;
+      EXPECT_EQ(trianglesAt(store.around(sensorAt(k), kRange, clock)), expected[static_cast<std::size_t>(k)]);
+    }
+  });
   EXPECT_EQ(clock.seconds().count("field_build"), 1u);
 }
 

@@ -3,12 +3,12 @@
 #include <map>
 #include <numeric>
 #include <set>
-#include <thread>
 
 #include "base/random.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/world/world.h"
 #include "scene/primitives.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
 
@@ -201,14 +201,10 @@ TEST_F(SharedParts, ThreadsThatWantTheSamePartsBuildEachOnce) {
   const SharedMeshes shared(device_.get(), scene_, all_, options_, true);
   const std::vector<std::size_t> parts = allParts(shared, scene_);
   std::vector<std::vector<const TriangleBlock*>> seen(4);
-  std::vector<std::thread> threads;
-  for (std::vector<const TriangleBlock*>& own : seen) {
-    threads.emplace_back([&] {
-      shared.build(parts);
-      for (const std::size_t p : parts) own.push_back(shared.part(p).block.get());
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  onThreads(seen.size(), [&](std::size_t thread) {
+    shared.build(parts);
+    for (const std::size_t p : parts) seen[thread].push_back(shared.part(p).block.get());
+  });
   for (const auto& own : seen) {
     EXPECT_EQ(own, seen.front());
     EXPECT_EQ(std::ranges::count(own, nullptr), 0);

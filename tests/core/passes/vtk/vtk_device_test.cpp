@@ -1,13 +1,13 @@
 // The VTK renderer as a device: images of any shape, pixels in any order, threads, wrong use.
 
 #include <cstdlib>
-#include <thread>
 
 #include "gpu/compute.h"
 #include "passes/renderer.h"
 #include "tests/core/passes/vtk/drawing.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/test_scene.h"
 
@@ -105,18 +105,13 @@ TEST(VtkRenderer, ThreadsTakeTurns) {
   }
   const int rounds = kSanitized ? 2 : 8;
   std::vector<int> right(kThreads, 0);
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 0; i < kThreads; ++i) {
-      threads.emplace_back([&, i] {
-        for (int round = 0; round < rounds; ++round) {
-          right[i] += same(expected[i], drawnOne(*renderer, cameras[i]));
-          const auto own = round == 0 ? makeVtkRenderer(scene) : nullptr;
-          if (own != nullptr && !same(expected[i], drawnOne(*own, cameras[i]))) right[i] = -100;
-        }
-      });
+  onThreads(kThreads, [&](std::size_t i) {
+    for (int round = 0; round < rounds; ++round) {
+      right[i] += same(expected[i], drawnOne(*renderer, cameras[i]));
+      const auto own = round == 0 ? makeVtkRenderer(scene) : nullptr;
+      if (own != nullptr && !same(expected[i], drawnOne(*own, cameras[i]))) right[i] = -100;
     }
-  }
+  });
   EXPECT_EQ(right, std::vector<int>(kThreads, rounds));
 }
 
@@ -165,33 +160,28 @@ TEST(VtkRenderer, DrawsWhileOthersCompute) {
   const PassPlanes expected = drawnOne(*renderer, camera);
   const int rounds = kSanitized ? 3 : 20;
   std::vector<int> right(4, 0);
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t t = 0; t < right.size(); ++t) {
-      threads.emplace_back([&, t] {
-        for (int round = 0; round < rounds; ++round) {
-          if (t == 0) {
-            right[t] += same(expected, drawnOne(*renderer, camera));
-            continue;
-          }
-          const ComputeDevice device({"tests cannot compute", "do it by hand"});
-          ComputeProgram program(device, "add", R"(
+  onThreads(right.size(), [&](std::size_t t) {
+    for (int round = 0; round < rounds; ++round) {
+      if (t == 0) {
+        right[t] += same(expected, drawnOne(*renderer, camera));
+        continue;
+      }
+      const ComputeDevice device({"tests cannot compute", "do it by hand"});
+      ComputeProgram program(device, "add", R"(
 layout(std140, binding = 0) uniform Parameters { uint added; };
 layout(std430, binding = 0) buffer Sums { uint sums[]; };
 void invoke(uint i) { sums[i] += added * i; }
 )");
-          ComputeBuffer buffer(device);
-          std::vector<std::uint32_t> sums(100 * t, 5);
-          buffer.upload(std::span<const std::uint32_t>(sums));
-          const auto added = static_cast<std::uint32_t>(t);
-          program.run(sums.size(), {&buffer}, std::as_bytes(std::span(&added, 1)));
-          const auto got = copyOf<std::uint32_t>(device, buffer, sums.size());
-          for (std::uint32_t i = 0; i < sums.size(); ++i) sums[i] += added * i;
-          right[t] += got == sums;
-        }
-      });
+      ComputeBuffer buffer(device);
+      std::vector<std::uint32_t> sums(100 * t, 5);
+      buffer.upload(std::span<const std::uint32_t>(sums));
+      const auto added = static_cast<std::uint32_t>(t);
+      program.run(sums.size(), {&buffer}, std::as_bytes(std::span(&added, 1)));
+      const auto got = copyOf<std::uint32_t>(device, buffer, sums.size());
+      for (std::uint32_t i = 0; i < sums.size(); ++i) sums[i] += added * i;
+      right[t] += got == sums;
     }
-  }
+  });
   EXPECT_EQ(right, std::vector<int>(4, rounds));
 }
 

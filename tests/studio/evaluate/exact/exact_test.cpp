@@ -352,11 +352,7 @@ TEST(Exact, SeveralThreadsMayTraceAtOnce) {
   std::vector<Shot> shots;
   for (int i = 0; i < 4; ++i) shots.push_back(shotAt(spinning(16, 200, -25, 25), {{}, {1500.0 * i, 0, 0}}));
   std::vector<ExactHits> together(shots.size());
-  std::vector<std::thread> threads;
-  for (std::size_t i = 0; i < shots.size(); ++i) {
-    threads.emplace_back([&, i] { tracer.trace(shots[i], Channels::all(), together[i]); });
-  }
-  for (std::thread& thread : threads) thread.join();
+  onThreads(shots.size(), [&](std::size_t i) { tracer.trace(shots[i], Channels::all(), together[i]); });
   for (std::size_t i = 0; i < shots.size(); ++i) {
     const ExactHits alone = exactly(scene, shots[i]);
     EXPECT_EQ(together[i].range, alone.range);
