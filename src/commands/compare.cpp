@@ -24,7 +24,8 @@ constexpr const char* kComparisonFile = "compare.json";
 constexpr const char* kPageFile = "index.html";
 constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; each takes about 2 MB of memory
 
-// Prints four tables: how the sensors stand, features of patches, figures of the sets, and settings to try.
+// Prints how the sensors stand, features of patches, figures of the sets, how many surfaces are alike, and settings to
+// try. Rows that only another scene changes stand below those that a setting changes.
 void printComparison(const SetComparison& comparison) {
   const RoadPoses &real = comparison.real.roadPose, &simulated = comparison.simulated.roadPose;
   const auto spreadText = [](const FigureSpread& s) {
@@ -36,27 +37,38 @@ void printComparison(const SetComparison& comparison) {
                     spreadText(simulated[f]), differenceText(f, real, simulated)});
   }
   printText("{}\n", formatTable(rows));
-  rows = {{"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
-  for (const Separation& s : comparison.features) {
-    const ComparedFigure& f = kPatchFeatures[s.feature];
-    const double withinReal = comparison.withinReal[s.feature];
-    rows.push_back({std::string(f.title), fmt::format("{:.3f}", s.strength),
-                    std::isnan(withinReal) ? "-" : fmt::format("{:.3f}", withinReal),
-                    figureText(s.realValue, f.factor, f.unit), figureText(s.simulatedValue, f.factor, f.unit),
-                    std::string(f.keys)});
+  for (const bool isOfScene : {false, true}) {
+    rows = {{isOfScene ? "feature that only the scene moves" : "feature of a patch", "separation", "within real",
+             "real", "simulated", "changed by"}};
+    for (const Separation& s : comparison.features) {
+      const ComparedFigure& f = kPatchFeatures[s.feature];
+      const double withinReal = comparison.withinReal[s.feature];
+      if (f.isOfScene != isOfScene) continue;
+      rows.push_back({std::string(f.title), fmt::format("{:.3f}", s.strength),
+                      std::isnan(withinReal) ? "-" : fmt::format("{:.3f}", withinReal),
+                      figureText(s.realValue, f.factor, f.unit), figureText(s.simulatedValue, f.factor, f.unit),
+                      std::string(f.keys)});
+    }
+    printText("{}\n", formatTable(rows));
   }
   printText(
-      "{}separation: |area under the ROC curve - 0.5| of the real against the simulated patches, 0 to 0.5; within "
-      "real:\n"
-      "the same of odd against even real scans\n\n",
-      formatTable(rows));
-  rows = {{"figure", "real", "simulated", "changed by"}};
-  for (std::size_t i = 0; i < kSetFigureCount; ++i) {
-    const ComparedFigure& f = kSetFigures[i];
-    rows.push_back({std::string(f.title), figureText(comparison.real.figures[i], f.factor, f.unit),
-                    figureText(comparison.simulated.figures[i], f.factor, f.unit), std::string(f.keys)});
+      "separation: |area under the ROC curve - 0.5| of the real against the simulated patches, 0 to 0.5; within real:\n"
+      "the same of odd against even real scans\n\n");
+  for (const bool isOfScene : {false, true}) {
+    rows = {{isOfScene ? "figure that only the scene moves" : "figure", "real", "simulated", "changed by"}};
+    for (std::size_t i = 0; i < kSetFigureCount; ++i) {
+      const ComparedFigure& f = kSetFigures[i];
+      if (f.isOfScene != isOfScene) continue;
+      rows.push_back({std::string(f.title), figureText(comparison.real.figures[i], f.factor, f.unit),
+                      figureText(comparison.simulated.figures[i], f.factor, f.unit), std::string(f.keys)});
+    }
+    printText("{}\n", formatTable(rows));
   }
-  printText("{}\n", formatTable(rows));
+  const AlikeCount surfaces = comparison.surfacesAlike();
+  printText(
+      "{} of {} figures of surfaces in the small (by {} and range, on the page) are within a factor of {} of the "
+      "real ones\n\n",
+      surfaces.alike, surfaces.all, comparison.byClass ? "class" : "shape", kAlike);
   if (comparison.advice.empty()) return printText("settings to try: none. {}\n\n", comparison.unadvised);
   rows = {{"to try", "now", "try", "for"}};
   for (const KeyChange& a : comparison.advice) {

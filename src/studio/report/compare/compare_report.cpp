@@ -6,6 +6,7 @@
 #include <span>
 
 #include "report/page/page.h"
+#include "study/figure_text.h"
 
 namespace scanmill {
 
@@ -35,12 +36,82 @@ Chart featureChart(const SetComparison& comparison) {
   ChartSeries within{.name = "odd against even real scans", .color = kReal};
   for (const Separation& s : comparison.features) {
     const auto row = static_cast<double>(chart.y.names.size());
-    chart.y.names.emplace_back(kPatchFeatures[s.feature].title);
+    chart.y.names.push_back(std::string(kPatchFeatures[s.feature].title) +
+                            (kPatchFeatures[s.feature].isOfScene ? " (scene)" : ""));
     bars.add({s.strength, row}, fmt::format("{}: {:.3f}", kPatchFeatures[s.feature].title, s.strength));
     within.points.push_back({comparison.withinReal[s.feature], row});
   }
   chart.height = 120 + 26 * static_cast<int>(chart.y.names.size());
   chart.series = {bars, within};
+  return chart;
+}
+
+// Returns a list of two tables: the rows that a setting changes, and those that only another scene changes. `name`:
+// name of each table's list of rows.
+Json byMover(const Json& rows, const char* name) {
+  Json groups = Json::array();
+  for (const bool isOfScene : {false, true}) {
+    Json& group = groups.emplace_back();
+    group["moved_by"] = isOfScene ? "Only another scene changes these" : "Settings change these";
+    for (const Json& row : rows) {
+      if (row.at("only_scene") == isOfScene) group[name].push_back(row);
+    }
+    if (!group.contains(name)) groups.erase(groups.size() - 1);
+  }
+  return groups;
+}
+
+// Returns the rows of the table of surfaces, one per group and band.
+Json surfaceRows(const SetComparison& comparison) {
+  Json rows = Json::array();
+  for (const GroupComparison& group : comparison.groups) {
+    for (const SurfaceComparison& surface : group.surfaces) {
+      Json& row = rows.emplace_back();
+      row = {{"group", group.name}, {"band", surface.band}};
+      for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
+        const ComparedFigure& figure = kSurfaceFigures[f];
+        const double ratio = surface.simulated[f] / surface.real[f];
+        const bool isUnlike = surface.real[f] > kLeastCounted && (ratio > kAlike || ratio * kAlike < 1);
+        row["figures"].push_back({{"title", fmt::format("{} ({})", figure.title, figure.unit)},
+                                  {"meaning", figure.meaning},
+                                  {"keys", figure.keys},
+                                  {"pair", threeDigits(surface.real[f]) + " / " + threeDigits(surface.simulated[f]) +
+                                               (isUnlike ? fmt::format(" ({})", factorText(ratio)) : "")}});
+      }
+    }
+  }
+  return rows;
+}
+
+// Returns a chart with a row per group, and in it a dot per band of ranges and figure: simulated over real.
+Chart surfaceChart(const SetComparison& comparison) {
+  Chart chart{
+      .name = "surfaces",
+      .title = "Surfaces in the small",
+      .note = "Each dot is a band of ranges. Between the lines, the simulated figure is within a factor of 1.5.",
+      .x = {.title = "simulated / real", .scale = AxisScale::Log}};
+  for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
+    chart.series.push_back({.name = std::string(kSurfaceFigures[f].title), .color = f});
+  }
+  for (const GroupComparison& group : comparison.groups) {
+    if (group.surfaces.empty()) continue;
+    const auto row = static_cast<double>(chart.y.names.size());
+    chart.y.names.push_back(group.name);
+    for (const SurfaceComparison& surface : group.surfaces) {
+      for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
+        if (!(surface.real[f] > kLeastCounted)) continue;
+        chart.series[f].add({surface.simulated[f] / surface.real[f], row},
+                            fmt::format("{}, {}: {:.3g} and {:.3g} {}", group.name, surface.band, surface.real[f],
+                                        surface.simulated[f], kSurfaceFigures[f].unit));
+      }
+    }
+  }
+  for (const double limit : {1 / kAlike, kAlike}) {
+    ChartSeries line{.mark = ChartMark::Line};
+    line.points = {{limit, 0}, {limit, static_cast<double>(chart.y.names.size()) - 1}};
+    chart.series.push_back(std::move(line));
+  }
+  chart.height = 150 + 26 * static_cast<int>(chart.y.names.size());
   return chart;
 }
 
@@ -82,7 +153,7 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   addWords(page["figures"], "figure", kSetFigures);
   page["definitions"] = Json::array();
   for (const std::span<const ComparedFigure> figures :
-       {std::span<const ComparedFigure>(kRoadFigures), {kPatchFeatures}, {kSetFigures}}) {
+       {std::span<const ComparedFigure>(kRoadFigures), {kPatchFeatures}, {kSurfaceFigures}, {kSetFigures}}) {
     for (const ComparedFigure& f : figures) page["definitions"].push_back({{"title", f.title}, {"meaning", f.meaning}});
   }
   for (Json& feature : page["features"]) {
@@ -96,6 +167,9 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
     }
     page.erase(rows);
   }
+  page["feature_groups"] = byMover(page["features"], "features");
+  page["set_figure_groups"] = byMover(page["set_figures"], "set_figures");
+  page["surfaces"] = surfaceRows(comparison);
   for (std::size_t i = 0; i < comparison.advice.size(); ++i) {
     const KeyChange& change = comparison.advice[i];
     page["advice"][i].update({{"try", nextText(change)},
@@ -117,7 +191,7 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   page["title"] = fmt::format("{} and {}", comparison.real.name, comparison.simulated.name);
   const ChartAxis share{.title = "share of the points (%)"}, intensity{.title = "intensity / median"};
   page["charts"] = chartValues(
-      {featureChart(comparison),
+      {featureChart(comparison), surfaceChart(comparison),
        pairChart({.name = "shares", .title = "Shares of the points", .x = share}, page["groups"], "name", true),
        pairChart({.name = "ranges", .title = "Ranges", .x = share}, page["ranges"], "band", true),
        pairChart({.name = "intensity_by_range", .title = "Intensity by range", .note = "Medians.", .x = intensity},

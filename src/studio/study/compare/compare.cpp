@@ -37,12 +37,9 @@ std::string rangeBandName(std::size_t band) {
   return fmt::format("{:g} to {:g} m", kRangeBands[band - 1], kRangeBands[band]);
 }
 
-// The group number of each patch. Equal numbers mean the same group in both sets.
-using Groups = std::vector<std::uint16_t>;
-
 Groups groupsByKind(const Patches& patches) {
   Groups groups;
-  for (const PatchKind kind : patches.kind) groups.push_back(static_cast<std::uint16_t>(kind));
+  for (const PatchKind kind : patches.kind) groups.ofPatch.push_back(static_cast<std::uint16_t>(kind));
   return groups;
 }
 
@@ -56,7 +53,7 @@ Strata strataOf(const Patches& patches, const Groups& groups, std::size_t featur
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const float value = patches.value[feature][i];
     if (std::isnan(value) || !isCompared(i)) continue;
-    strata[{groups[i], rangeBand(patches.range[i])}].push_back(value);
+    strata[{groups.ofPatch[i], rangeBand(patches.range[i])}].push_back(value);
   }
   return strata;
 }
@@ -176,21 +173,31 @@ struct ClassGroups {
   std::vector<std::string> unknownClasses;  // names of the other set's classes that the owner lacks
 };
 
+// Returns the groups of a set's patches. groupOf(label) returns the group of a class.
+Groups groupsOf(const Patches& patches, const auto& groupOf) {
+  Groups groups;
+  for (const std::uint16_t label : patches.label) {
+    const auto [found, isNew] = groups.ofLabel.try_emplace(label);
+    if (isNew) found->second = groupOf(label);
+    groups.ofPatch.push_back(found->second);
+  }
+  return groups;
+}
+
 ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
   const ClassMap map(*other.ontology, *owner.ontology);
   ClassGroups groups;
-  std::set<std::uint16_t> unknownLabels;
-  for (const std::uint16_t label : other.patches.label) {
+  groups.ofOther = groupsOf(other.patches, [&](std::uint16_t label) {
     const SemanticClass& mapped = map.classOf(label);
-    groups.ofOther.push_back(mapped.movingOf.value_or(mapped.id));
-    if (groups.ofOther.back() == 0 && label != 0) unknownLabels.insert(label);
-  }
-  for (const std::uint16_t label : unknownLabels) {
-    if (const SemanticClass* const c = other.ontology->find(label)) groups.unknownClasses.push_back(c->name);
-  }
-  for (const std::uint16_t label : owner.patches.label) {
+    return mapped.movingOf.value_or(mapped.id);
+  });
+  groups.ofOwner = groupsOf(owner.patches, [&](std::uint16_t label) {
     const SemanticClass* const c = owner.ontology->find(label);
-    groups.ofOwner.push_back(c == nullptr ? std::uint16_t{0} : c->movingOf.value_or(c->id));
+    return c == nullptr ? std::uint16_t{0} : c->movingOf.value_or(c->id);
+  });
+  for (const auto& [label, group] : groups.ofOther.ofLabel) {
+    const SemanticClass* const c = other.ontology->find(label);
+    if (group == 0 && label != 0 && c != nullptr) groups.unknownClasses.push_back(c->name);
   }
   return groups;
 }
@@ -199,8 +206,9 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
 // patches have a known class, 0 if the sets have no class in common.
 double overlapOf(const ClassGroups& groups) {
   std::map<std::uint16_t, std::pair<double, double>> shares;  // by group: share in owner's and in other set's patches
-  for (const std::uint16_t g : groups.ofOwner) shares[g].first += 1.0 / static_cast<double>(groups.ofOwner.size());
-  for (const std::uint16_t g : groups.ofOther) shares[g].second += 1.0 / static_cast<double>(groups.ofOther.size());
+  const std::vector<std::uint16_t>&owner = groups.ofOwner.ofPatch, &other = groups.ofOther.ofPatch;
+  for (const std::uint16_t g : owner) shares[g].first += 1.0 / static_cast<double>(owner.size());
+  for (const std::uint16_t g : other) shares[g].second += 1.0 / static_cast<double>(other.size());
   double overlap = 0;
   for (const auto& [group, share] : shares) overlap += group == 0 ? 0 : std::min(share.first, share.second);
   return overlap;
@@ -220,20 +228,25 @@ std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   return {std::move(bySimulated.ofOther), std::move(bySimulated.ofOwner)};
 }
 
-// Adds the groups with shares and separations. `real`, `simulated`: each patch's group. `sums`: one per feature.
+// Adds the groups with shares, separations and surfaces. `real`, `simulated`: the groups of the sets' patches. `sums`:
+// one per feature.
 void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
                const std::vector<SeparationSums>& sums) {
   std::map<std::uint16_t, std::pair<std::uint64_t, std::uint64_t>> counts;
-  for (const std::uint16_t group : real) ++counts[group].first;
-  for (const std::uint16_t group : simulated) ++counts[group].second;
+  for (const std::uint16_t group : real.ofPatch) ++counts[group].first;
+  for (const std::uint16_t group : simulated.ofPatch) ++counts[group].second;
+  const SurfacesByGroup realSurfaces = surfacesOf(result.real.patches, real, result.real.knowsMisses);
+  const SurfacesByGroup simulatedSurfaces =
+      surfacesOf(result.simulated.patches, simulated, result.simulated.knowsMisses);
   for (const auto& [group, count] : counts) {
     const SemanticClass* const groupClass = result.byClass ? result.classes.find(group) : nullptr;
     GroupComparison& added = result.groups.emplace_back();
     added.name = !result.byClass         ? std::string(kPatchKinds[group])
                  : groupClass == nullptr ? "unlabeled"
                                          : groupClass->name;
-    added.realShare = shareOf(count.first, real.size());
-    added.simulatedShare = shareOf(count.second, simulated.size());
+    added.realShare = shareOf(count.first, real.ofPatch.size());
+    added.simulatedShare = shareOf(count.second, simulated.ofPatch.size());
+    if (!result.byClass || group != 0) added.surfaces = compareSurfaces(realSurfaces, simulatedSurfaces, group);
     for (std::size_t f = 0; f < kFeatureCount; ++f) {
       const auto found = sums[f].ofGroup.find(group);
       if (found != sums[f].ofGroup.end()) added.features.push_back(found->second.mean(f));
@@ -250,8 +263,8 @@ std::vector<SeparationSums> separateFeatures(SetComparison& result, const Groups
                                              const Groups& simulatedGroups) {
   const Patches &real = result.real.patches, &simulated = result.simulated.patches;
   const auto hasClass = [&](std::uint16_t group) { return !result.byClass || group != 0; };
-  const auto isRealCompared = [&](std::size_t i) { return hasClass(realGroups[i]); };
-  const auto isSimulatedCompared = [&](std::size_t i) { return hasClass(simulatedGroups[i]); };
+  const auto isRealCompared = [&](std::size_t i) { return hasClass(realGroups.ofPatch[i]); };
+  const auto isSimulatedCompared = [&](std::size_t i) { return hasClass(simulatedGroups.ofPatch[i]); };
   const auto isInEvenScan = [&](std::size_t i) { return isRealCompared(i) && real.scan[i] % 2 == 0; };
   const auto isInOddScan = [&](std::size_t i) { return isRealCompared(i) && real.scan[i] % 2 == 1; };
   std::vector<SeparationSums> sums(kFeatureCount);
@@ -320,7 +333,26 @@ OrderedJson bandsJson(const std::vector<BandComparison>& bands, const std::strin
   });
 }
 
+OrderedJson surfaceJson(const SurfaceComparison& surface) {
+  OrderedJson json{{"band", surface.band}};
+  for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
+    json[kSurfaceFigures[f].name] = {
+        {"unit", kSurfaceFigures[f].unit}, {"real", surface.real[f]}, {"simulated", surface.simulated[f]}};
+  }
+  return json;
+}
+
 }  // namespace
+
+AlikeCount SetComparison::surfacesAlike() const {
+  AlikeCount sum;
+  for (const GroupComparison& group : groups) {
+    const AlikeCount count = countAlike(group.surfaces);
+    sum.alike += count.alike;
+    sum.all += count.all;
+  }
+  return sum;
+}
 
 SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
   SetComparison result;
@@ -344,6 +376,8 @@ SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
     if (sums[f].all.weight > 0) result.features.push_back(sums[f].all.mean(f));
   }
   sortByStrength(result.features);
+  std::ranges::stable_partition(result.features,
+                                [](const Separation& s) { return !kPatchFeatures[s.feature].isOfScene; });
   addGroups(result, realGroups, simulatedGroups, sums);
   addRanges(result);
   addIntensities(result);
@@ -362,6 +396,7 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                        {"unit", figure.unit},
                        {"real", comparison.real.figures[i] * figure.factor},
                        {"simulated", comparison.simulated.figures[i] * figure.factor},
+                       {"only_scene", figure.isOfScene},
                        {"keys", figure.keys}});
   }
   const RoadPoses &realPose = comparison.real.roadPose, &simulatedPose = comparison.simulated.roadPose;
@@ -376,6 +411,7 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
   const OrderedJson features = arrayOf(comparison.features, [&](const Separation& s) {
     OrderedJson feature = separationJson(s);
     feature["strength_within_real"] = comparison.withinReal[s.feature];
+    feature["only_scene"] = kPatchFeatures[s.feature].isOfScene;
     feature["keys"] = kPatchFeatures[s.feature].keys;
     return feature;
   });
@@ -383,7 +419,8 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
     return {{"name", group.name},
             {"real_share", group.realShare},
             {"simulated_share", group.simulatedShare},
-            {"features", arrayOf(group.features, separationJson)}};
+            {"features", arrayOf(group.features, separationJson)},
+            {"surfaces", arrayOf(group.surfaces, surfaceJson)}};
   });
   const OrderedJson json{{"program_version", kVersion},
                          {"date", date},
@@ -395,6 +432,8 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                          {"road_pose", roadPose},
                          {"figures", figures},
                          {"features", features},
+                         {"surfaces_alike", comparison.surfacesAlike().alike},
+                         {"surfaces_compared", comparison.surfacesAlike().all},
                          {"advice", arrayOf(comparison.advice, changeJson)},
                          {"set", comparison.assignments},
                          {"unadvised", comparison.unadvised},

@@ -17,6 +17,7 @@
 #include "scene/ontology.h"
 #include "study/compare/patches.h"
 #include "study/compare/road_pose.h"
+#include "study/compare/surfaces.h"
 
 namespace scanmill {
 
@@ -32,17 +33,15 @@ inline constexpr auto kSetFigures = std::to_array<ComparedFigure>({
      "materials (windows, dark paint), the ego vehicle, holes in the scene: not dropout, whose beams are single"},
     {"missing_single", "of these single", "%", 100, "between two returns", "dropout (probability), detection (noise)"},
     {"near", "points within 5 m", "%", 100, "of all points", "the sensor's mount, the ego vehicle, narrow streets"},
-    {"median_range", "median range", "m", 1, "of all points", "how near the scene's things stand; the sensor's mount"},
+    {"median_range", "median range", "m", 1, "of all points", "the scene: how near its things stand", false, true},
     {"ground_residual", "ground about one plane", "mm", 1000,
      "deviation of the ground within 40 m (what lies within 0.5 m of the lowest points) from its plane, mean over "
      "scans",
-     "the scene's ground"},
+     "the scene: its ground", false, true},
     {"ground_relief", "relief of the ground", "mm", 1000,
      "deviation of heights in cells of 0.5 m about their own plane, median over cells", "effects relief, range_noise"},
     {"ground_relief_90", "relief of rough ground", "mm", 1000, "the same, 90th percentile over cells",
      "effects relief; the materials of the scene's ground"},
-    {"jumps_1m", "jumps of more than 1 m", "%", 100, "points within 35 m with such a jump to a neighbour in the ring",
-     "the scene: vegetation, thin things"},
     {"mixed", "mixed pixels", "%", 100,
      "edges of more than 1.5 m between two surfaces with a point that lies apart from both, by a tenth or more",
      "effects footprint (rays)"},
@@ -113,6 +112,7 @@ struct GroupComparison {
   std::string name;
   double realShare = 0, simulatedShare = 0;  // fractions of all patches of the set
   std::vector<Separation> features;          // the strongest first; features that cannot be compared are left out
+  std::vector<SurfaceComparison> surfaces;   // how rough its surfaces are, by range; none for patches without a class
 };
 
 // A figure of both sets in one band of ranges or incidence angles.
@@ -159,6 +159,7 @@ struct SetComparison {
   std::vector<std::string> assignments;  // arguments of --set that apply all advice
   std::string unadvised;                 // the reason why there is no advice, as a sentence; empty if there is advice
 
+  AlikeCount surfacesAlike() const;  // counts the surfaces of all groups
   bool sensorsDiffer() const { return real.knowsRings && simulated.knowsRings && real.rows != simulated.rows; }
 };
 

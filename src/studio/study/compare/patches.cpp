@@ -23,7 +23,11 @@ constexpr double kNear = 0.5, kNearShare = 0.1;
 // appends NaN to the lists in `out_`. The functions that measure features then replace the last entry of their list.
 class PatchMeter {
  public:
-  PatchMeter(const Scan& scan, const RangeGrid& grid, Patches& out) : scan_(scan), grid_(grid), out_(out) {}
+  PatchMeter(const Scan& scan, const RangeGrid& grid, Patches& out)
+      : scan_(scan),
+        grid_(grid),
+        out_(out),
+        beamsPerPixel_(grid.wraps ? std::max(1, static_cast<int>(std::lround(grid.columns / 1024.0))) : 1) {}
 
   // Appends the patch around a pixel with a return.
   void addPatch(std::uint32_t row, std::uint32_t column) {
@@ -35,11 +39,10 @@ class PatchMeter {
     out_.ringOffset.push_back(kNotMeasured);
     out_.range.push_back(static_cast<float>(range_));
     out_.row.push_back(static_cast<std::uint16_t>(row));
-    const auto& labels = scan_[kLabel];
-    out_.label.push_back(labels.empty() ? std::uint16_t{0} : labels[grid_.point[pixel_]]);
+    out_.label.push_back(labelOf(pixel_));
+    addNeighbours(row, column);
     gatherWindow(row, column);
     addShape(middle);
-    addJumps();
     addMixed();
     addRangeScatter();
     addRingOffset(middle);
@@ -59,7 +62,35 @@ class PatchMeter {
     return hasReturn(pixel) &&
            std::fabs(static_cast<double>(grid_.range[pixel]) - range_) < std::max(kNear, kNearShare * range_);
   }
+  std::uint16_t labelOf(std::size_t pixel) const {
+    return scan_[kLabel].empty() ? std::uint16_t{0} : scan_[kLabel][grid_.point[pixel]];
+  }
   Vec3d pointAt(std::uint32_t pixel) const { return Vec3d(scan_.position[grid_.point[pixel]]); }
+
+  // Returns the nearest return of a pixel of the coarser range image (see PixelNeighbours); kNone if there is none.
+  // `first`: the first of the pixel's columns in the grid. `steps`: number of pixels to the right of this.
+  std::uint32_t nearestIn(std::uint32_t row, std::uint32_t first, int steps) const {
+    std::uint32_t nearest = RangeGrid::kNone;
+    for (int k = 0; k < beamsPerPixel_; ++k) {
+      const std::uint32_t pixel = grid_.beside(row, first, steps * beamsPerPixel_ + k);
+      if (!hasReturn(pixel)) continue;
+      if (nearest == RangeGrid::kNone || grid_.range[pixel] < grid_.range[nearest]) nearest = pixel;
+    }
+    return nearest;
+  }
+
+  void addNeighbours(std::uint32_t row, std::uint32_t column) {
+    const std::uint32_t first = column - column % static_cast<std::uint32_t>(beamsPerPixel_);
+    PixelNeighbours& beside = out_.beside.emplace_back();
+    beside.isPixel = nearestIn(row, first, 0) == pixel_;
+    const std::array<std::uint32_t, PixelNeighbours::kCount> neighbours{
+        nearestIn(row, first, -1), nearestIn(row, first, 1), row > 0 ? nearestIn(row - 1, first, 0) : RangeGrid::kNone};
+    for (std::size_t i = 0; i < PixelNeighbours::kCount; ++i) {
+      const bool exists = neighbours[i] != RangeGrid::kNone;
+      beside.range[i] = exists ? grid_.range[neighbours[i]] : kNotMeasured;
+      beside.label[i] = exists ? labelOf(neighbours[i]) : std::uint16_t{0};
+    }
+  }
 
   // Stores the pixels of the window around the patch's point, row by row; kNone for pixels beyond the grid's edges.
   void gatherWindow(std::uint32_t middleRow, std::uint32_t column) {
@@ -113,20 +144,6 @@ class PatchMeter {
       if (!(std::fabs(rangeAt(dc + 1) - rangeAt(dc)) < kJump)) return false;
     }
     return true;
-  }
-
-  void addJumps() const {
-    // fmax() ignores NaN, so the largest jump is NaN only if both neighbours have no return.
-    const double largest = std::fmax(std::fabs(rangeAt(-1) - range_), std::fabs(rangeAt(1) - range_));
-    if (!std::isnan(largest)) set(Feature::Jump, largest / range_);
-    int jumps = 0, steps = 0;
-    for (int dc = -kPatchReach; dc < kPatchReach; ++dc) {
-      const double step = std::fabs(rangeAt(dc + 1) - rangeAt(dc));
-      if (std::isnan(step)) continue;
-      ++steps;
-      jumps += step > kJump ? 1 : 0;
-    }
-    if (steps >= kPatchReach) set(Feature::Jumps, jumps);
   }
 
   // Sets Feature::Mixed if the middle's range is between the ranges of its neighbours in the row: the smaller
@@ -248,6 +265,7 @@ class PatchMeter {
   const Scan& scan_;
   const RangeGrid& grid_;
   Patches& out_;
+  int beamsPerPixel_;  // columns of the grid in a pixel of the coarser range image, see PixelNeighbours
   // The patch that addPatch() appends: pixel and range (m) of the middle, and pixels around the middle.
   std::size_t pixel_ = 0;
   double range_ = 0;
@@ -287,6 +305,7 @@ void Patches::append(const Patches& more) {
   add(row, more.row);
   add(label, more.label);
   add(kind, more.kind);
+  add(beside, more.beside);
   add(scan, more.scan);
 }
 

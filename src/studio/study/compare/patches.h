@@ -29,6 +29,7 @@ struct ComparedFigure {
   std::string_view meaning;   // explanation, as a phrase
   std::string_view keys;      // what influences the figure: keys of a pipeline, properties of the scene
   bool isMostlyZero = false;  // true: users see the feature's mean over patches; false: its median
+  bool isOfScene = false;     // true: no setting of effects or sensors moves the figure, only another scene
   // Words for a simulated set whose value is greater or less, and the smallest difference that they name.
   std::string_view more{}, less{};
   double leastDifference = 0;
@@ -56,8 +57,6 @@ enum class Feature : std::size_t {
   RingGain,
   Missing,
   SingleMissing,
-  Jump,
-  Jumps,
   Mixed,
   Returns,
 };
@@ -73,7 +72,7 @@ inline constexpr auto kPatchFeatures = std::to_array<ComparedFigure>({
      "thickness over the lesser width of the same points: 0 a plane, 1 a ball",
      "effects relief and range_noise; leaves and twigs of the scene's vegetation"},
     {"steepness", "steepness", "deg", 1, "angle between the patch's normal and the vertical: 0 level, 90 a wall",
-     "the scene: slopes, what stands beside the road; the sensor's mount"},
+     "the scene: slopes, what stands beside the road", false, true},
     {"ring_offset", "offset from the rings beside", "mm", 1000,
      "distance of 5 neighbours' mean from the plane of the rings above and below",
      "effects ring_bias (range_sigma_m, elevation_sigma_deg); relief"},
@@ -94,11 +93,6 @@ inline constexpr auto kPatchFeatures = std::to_array<ComparedFigure>({
     {"single_missing", "single missing beams", "%", 100,
      "share of the 7 beams around in the ring that are missing between two returns at one range",
      "effects dropout (probability) and detection (noise)", true},
-    {"jump", "largest jump beside", "%", 100,
-     "largest difference in range to the neighbours in the ring, over the range",
-     "the scene: vegetation, thin things; effects footprint and relief"},
-    {"jumps", "jumps around", "", 1, "how many of the 8 steps between 9 neighbours in a ring are of more than 0.3 m",
-     "the scene: vegetation, thin things; effects footprint and light_paths", true},
     {"mixed", "mixed pixels", "", 1,
      "where a point lies between two surfaces that are 1.5 m or more apart: 0 at one of them, 0.5 in the middle",
      "effects footprint (rays)", true},
@@ -110,6 +104,15 @@ inline constexpr std::size_t kFeatureCount = kPatchFeatures.size();
 // The shape of a patch. If scans have no labels, patches are grouped by shape.
 enum class PatchKind : std::uint8_t { Level, Upright, Slanted, Rough, Sparse };
 inline constexpr std::array<std::string_view, 5> kPatchKinds{"level", "upright", "slanted", "rough", "sparse"};
+
+// What is beside a patch's middle in a range image of about 1024 columns a turn, as networks see scans. A pixel of that
+// image has the nearest return of its beams.
+struct PixelNeighbours {
+  enum : std::size_t { kLeft, kRight, kAbove, kCount };
+  bool isPixel = false;                       // true: the patch's middle is the nearest return of its own pixel
+  std::array<float, kCount> range{};          // range of each neighbour (m); NaN: no return
+  std::array<std::uint16_t, kCount> label{};  // class id of each neighbour; 0 if there is none
+};
 
 // Features of patches; each vector has one entry per patch.
 struct Patches {
@@ -124,6 +127,7 @@ struct Patches {
   std::vector<std::uint16_t> row;    // row of the middle point in the grid
   std::vector<std::uint16_t> label;  // class id of the middle point; 0 if the scan has no labels
   std::vector<PatchKind> kind;
+  std::vector<PixelNeighbours> beside;
   std::vector<std::uint32_t> scan;  // index of the scan in its set
 
   std::size_t size() const { return range.size(); }

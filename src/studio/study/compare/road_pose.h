@@ -26,20 +26,21 @@ std::vector<Vec3d> groundAmong(std::vector<Vec3d> points);
 inline constexpr auto kRoadFigures = std::to_array<ComparedFigure>({
     {"pitch", "pitch", "deg", 1,
      "by how much the sensor looks down on the ground within 12 m: the road, or without labels what is level",
-     "the sensor's mount (pitch_deg)", false, "farther down", "less down", 0.05},
+     "the sensor's mount (pitch_deg)", false, false, "farther down", "less down", 0.05},
     {"roll", "roll", "deg", 1, "by how much its left side is raised over the same ground",
-     "the road's cross fall; the sensor's mount (roll_deg)", false, "higher on the left", "lower on the left", 0.05},
-    {"height", "height", "m", 1, "distance from the same ground", "the sensor's mount (position)", false, "higher",
-     "lower", 0.01},
+     "the road's cross fall; the sensor's mount (roll_deg)", false, false, "higher on the left", "lower on the left",
+     0.05},
+    {"height", "height", "m", 1, "distance from the same ground", "the sensor's mount (position)", false, false,
+     "higher", "lower", 0.01},
     {"lane_slope", "slope across the own lane", "deg", 1,
      "by how much the ground less than 1.3 m beside the sensor rises to the left",
-     "the sensor's mount (roll_deg); the trajectory's ground", false, "steeper up to the left",
+     "the sensor's mount (roll_deg); the trajectory's ground", false, false, "steeper up to the left",
      "steeper down to the left", 0.05},
     {"left_edge", "left edge of the road", "m", 1,
      "distance of the nearest strip of 0.25 m in which most of the ground is of other classes",
-     "where the vehicle drives, how wide roads are", false, "farther", "nearer", 0.25},
+     "where the vehicle drives, how wide roads are", false, false, "farther", "nearer", 0.25},
     {"right_edge", "right edge of the road", "m", 1, "the same to the right",
-     "where the vehicle drives, how wide roads are", false, "farther", "nearer", 0.25},
+     "where the vehicle drives, how wide roads are", false, false, "farther", "nearer", 0.25},
 });
 inline constexpr std::size_t kRoadFigureCount = kRoadFigures.size();
 enum RoadFigure : std::size_t { kPitch, kRoll, kHeight, kLaneSlope, kLeftEdge, kRightEdge };  // indices in kRoadFigures

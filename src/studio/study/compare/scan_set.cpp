@@ -194,23 +194,14 @@ double& figureNamed(ScanSet& set, std::string_view name) {
 
 // Sets the figures that follow from the set's patches, as kSetFigures explains them.
 void addPatchFigures(ScanSet& set) {
-  constexpr float kFarthest = 35;  // m, largest range at which jumps are counted
-  constexpr float kLeastJump = 1;  // m
-  constexpr float kMixed = 0.1f;   // least distance of a mixed pixel from both surfaces, as a fraction of the edge
+  constexpr float kMixed = 0.1f;  // least distance of a mixed pixel from both surfaces, as a fraction of the edge
   const Patches& patches = set.patches;
   figureNamed(set, "median_range") = quantileOf(patches.range, 0.5);
-  std::uint64_t nearPoints = 0, jumps = 0, edges = 0, mixed = 0;
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    const float jump = patches.of(Feature::Jump)[i];  // jump as a fraction of the range
-    if (patches.range[i] < kFarthest && !std::isnan(jump)) {
-      ++nearPoints;
-      jumps += jump * patches.range[i] > kLeastJump ? 1 : 0;
-    }
-    const float fromSurface = patches.of(Feature::Mixed)[i];
+  std::uint64_t edges = 0, mixed = 0;
+  for (const float fromSurface : patches.of(Feature::Mixed)) {
     edges += std::isnan(fromSurface) ? 0 : 1;
     mixed += fromSurface >= kMixed ? 1 : 0;
   }
-  figureNamed(set, "jumps_1m") = shareOf(jumps, nearPoints, kNaN);
   figureNamed(set, "mixed") = shareOf(mixed, edges, kNaN);
   figureNamed(set, "intensity_scatter") = quantileOf(patches.of(Feature::IntensityScatter), 0.5);
   figureNamed(set, "ring_offset") = spreadOverRows(patches, patches.ringOffset);

@@ -46,6 +46,8 @@ TEST(Compare, ASetAgainstItselfDiffersInNothing) {
       EXPECT_EQ(s.area, 0.5);
       EXPECT_EQ(s.realValue, s.simulatedValue);
     }
+    EXPECT_GE(same.surfacesAlike().all, 10u);
+    EXPECT_EQ(same.surfacesAlike().alike, same.surfacesAlike().all);
   }
 }
 
@@ -116,6 +118,27 @@ TEST(Compare, FiguresOfASetAreThoseOfThePlace) {
   // A ring against the mean of those beside it: offsets show where the wall is met, gains everywhere.
   EXPECT_NEAR(figureOf(flawed, "ring_offset"), 0.03 * spreadAgainstNeighbours(kOffsets, 1, 11), 0.01);
   EXPECT_NEAR(figureOf(flawed, "ring_gain"), 0.2 * spreadAgainstNeighbours(kGains, 1, kTestRings - 1), 0.05);
+}
+
+// Along a ring, the range of the round wall is 18 m / cos(elevation) and an error z0; z0 - (z1 + z2) / 2 of normal
+// errors of deviation sigma is normal, of deviation sqrt(1.5) sigma. With four times the columns, a pixel has the
+// nearest of four returns.
+TEST(Compare, SurfacesAreThoseOfThePlace) {
+  const SetComparison found = compareSets(setOf({.sigma = 0.02}, 1), setOf({.sigma = 0.04, .lost = 0.06}, 11));
+  const auto wall = std::ranges::find(found.groups, "wall", &GroupComparison::name);
+  ASSERT_NE(wall, found.groups.end());
+  ASSERT_EQ(wall->surfaces.size(), 1u);
+  EXPECT_EQ(wall->surfaces[0].band, "15 to 30 m");
+  const SurfaceFigures &real = wall->surfaces[0].real, &simulated = wall->surfaces[0].simulated;
+  const double step = radians(30.0 / (kTestRings - 1));
+  for (const auto& [quantile, figure] : {std::pair(0.6745, 0), {1.1503, 1}, {1.6449, 2}}) {
+    EXPECT_NEAR(real[figure], quantile * std::sqrt(1.5) * 20, 1) << figure;
+    EXPECT_NEAR(simulated[figure], quantile * std::sqrt(1.5) * 40, 2) << figure;
+  }
+  EXPECT_EQ(real[3] + real[4] + real[5], 0);  // nothing beyond half a metre, nothing lost
+  EXPECT_NEAR(simulated[5], 6, 0.6);
+  EXPECT_LT(real[6], 18 * step * std::tan(radians(7)));
+  EXPECT_GT(found.surfacesAlike().all, found.surfacesAlike().alike);
 }
 
 // A long run is no drop-out of single beams.
@@ -196,6 +219,7 @@ TEST(Compare, IsTheSameWhateverTheThreads) {
   const nlohmann::json parsed = nlohmann::json::parse(first);
   EXPECT_EQ(parsed["grouped_by"], "class");
   EXPECT_EQ(parsed["features"].size(), kFeatureCount);
+  EXPECT_TRUE(std::ranges::is_sorted(parsed["features"], {}, [](const auto& f) { return f["only_scene"]; }));
   EXPECT_EQ(parsed["figures"].size(), kSetFigureCount);
   EXPECT_EQ(parsed["road_pose"].size(), kRoadFigureCount);
 }
