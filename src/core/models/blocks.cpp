@@ -53,7 +53,7 @@ class BlockMaker {
     constexpr double kAboveCeiling = 0.4;                    // m between the top ceiling and the top of the walls
     const bool shed = block.floors == 0;
     const bool hangs = block.base > 0;
-    const char* wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
+    const char* wall = wallMaterial(draw_.chance(0.4), draw_);
     constexpr double kHighestWood = 4;  // m
     if (shed && block.height < kHighestWood && draw_.chance(0.4)) wall = "wood";
     look_ = facadeLook(s_, wall, draw_);

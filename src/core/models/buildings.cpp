@@ -18,10 +18,9 @@ class HouseMaker {
   // Draws materials and sizes in a fixed order, then fits the sizes to the height on the map, if there is one.
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
       : h_(house), seed_(seed), draw_(seed, Kind::House, house.number), s_(builder, "house") {
-    // The kind of plaster has its own random stream, so that it does not change the other random values.
-    const bool tinted = Draw(seed, Kind::Facade, house.number).chance(0.7);
-    const char* const wall = draw_.chance(0.45) ? "brick" : tinted ? "plaster_tinted" : "plaster";
-    look_ = facadeLook(s_, wall, draw_);
+    // The walls' material has its own random stream, so that it does not change the other random values.
+    Draw facade(seed, Kind::Facade, house.number);
+    look_ = facadeLook(s_, wallMaterial(draw_.chance(0.45), facade), draw_);
     m_.storey = draw_.around(kStorey, 0.06);
     m_.base = draw_.in(0.15, 0.5);
     look_.top = m_.base + m_.storey * h_.floors + aboveCeiling();

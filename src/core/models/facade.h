@@ -16,6 +16,12 @@ struct Opening {
   enum { Window, Door } what = Window;
 };
 
+// Returns the material of a house's walls: bricks or plaster, light or dark.
+inline const char* wallMaterial(bool isBrick, Draw& draw) {
+  if (isBrick) return draw.chance(0.65) ? "brick" : "brick_light";
+  return draw.chance(0.3) ? "plaster" : draw.chance(0.7) ? "plaster_tinted" : "plaster_dark";
+}
+
 struct FacadeLook {
   SurfaceIndex wall = 0, trim = 0, wood = 0, metal = 0, tile = 0, glass = 0, casing = 0, cloth = 0;
   double foundation = -0.4;  // m, height where walls begin

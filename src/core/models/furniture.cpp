@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "models/facade.h"
 #include "models/models.h"
 
 namespace scanmill::models {
@@ -102,7 +103,7 @@ void appendPlanter(Shape& s, Draw&) {
 constexpr double kHalfPanel = 1;  // m, half of the length of a fence panel
 
 void appendPicketsFence(Shape& s, Draw& draw) {
-  const SurfaceIndex wood = s.surface("fence", "wood_weathered");
+  const SurfaceIndex wood = s.surface("fence", draw.chance(0.6) ? "wood_weathered" : "wood_painted");
   const double h = draw.in(0.85, 1.1);
   for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.035, z}, {2 * kHalfPanel, 0.05, 0.09});
   s.box(wood, {-kHalfPanel + 0.06, 0.12, (h - kSunk) / 2}, {0.12, 0.12, h + kSunk + 0.1});
@@ -118,7 +119,7 @@ void appendBarsFence(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("fence", "painted_metal");
   const double h = draw.in(1.0, 1.4);
   constexpr double kBase = 0.4;  // m, height of the wall below the bars
-  const SurfaceIndex brick = s.surface("fence", "brick");
+  const SurfaceIndex brick = s.surface("fence", draw.chance(0.6) ? "brick" : "brick_light");
   s.box(brick, {0, 0, (kBase - kSunk) / 2}, {2 * kHalfPanel, 0.24, kBase + kSunk});
   s.box(brick, {-kHalfPanel + 0.18, 0, (h - kSunk) / 2}, {0.36, 0.36, h + kSunk + 0.1});
   for (const double z : {kBase + 0.1, h - 0.12}) s.box(metal, {0, 0, z}, {2 * kHalfPanel, 0.02, 0.04});
@@ -131,7 +132,7 @@ void appendBarsFence(Shape& s, Draw& draw) {
 
 void appendWall(Shape& s, Draw& draw) {
   const double h = draw.in(0.7, 1.8);
-  const auto [brick, concrete] = s.surfaces("wall", "brick", "concrete");
+  const auto [brick, concrete] = s.surfaces("wall", wallMaterial(draw.chance(0.6), draw), "concrete");
   s.box(brick, {0, 0, (h - 0.2) / 2}, {2 * kHalfPanel, 0.24, h + 0.2});
   s.box(brick, {-kHalfPanel + 0.18, 0, (h - 0.1) / 2}, {0.36, 0.36, h + 0.3});  // pier
   s.box(brick, {0, 0, 0.05}, {2 * kHalfPanel, 0.3, 0.5});                       // plinth
@@ -140,7 +141,7 @@ void appendWall(Shape& s, Draw& draw) {
 
 // Appends a fence of boards on both sides of two rails by turns, with gaps between the boards of a side.
 void appendBoardsFence(Shape& s, Draw& draw) {
-  const SurfaceIndex wood = s.surface("fence", "wood_weathered");
+  const SurfaceIndex wood = s.surface("fence", draw.chance(0.6) ? "wood_weathered" : "wood_painted");
   const double h = draw.in(1.2, 1.9);
   for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0, z}, {2 * kHalfPanel, 0.06, 0.09});
   s.box(wood, {-kHalfPanel + 0.06, 0, (h - kSunk) / 2}, {0.12, 0.12, h + kSunk + 0.1});

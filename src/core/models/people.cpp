@@ -187,11 +187,18 @@ Pose striding(double phase, double reach, double swing, double lean) {
   return p;
 }
 
+// Returns the cloth of a garment. `dark`: share of black cloth, which is bright in the near infrared.
+const char* drawCloth(Draw& draw, double dark) {
+  constexpr double kDull = 0.35;  // share of cloth that is dark in the near infrared, too
+  const double kind = draw.next();
+  return kind < kDull ? "cloth_dull" : kind < kDull + (1 - kDull) * dark ? "cloth_dark" : "cloth";
+}
+
 // Returns random clothes of a pedestrian.
 Clothes drawClothes(Draw& draw) {
   Clothes c;
-  c.upper = draw.chance(0.5) ? "cloth" : "cloth_dark";
-  c.lower = draw.chance(0.7) ? "cloth_dark" : "cloth";
+  c.upper = drawCloth(draw, 0.5);
+  c.lower = drawCloth(draw, 0.7);
   c.skirt = draw.chance(0.2);
   c.coat = !c.skirt && draw.chance(0.25);
   c.hat = draw.chance(0.2);
@@ -217,7 +224,7 @@ Model makeRider(SceneBuilder& builder, Draw draw, const RiderFit& fit, std::stri
   p.rightHand = fit.rightGrip + Vec3d{-0.04, 0, 0.02};
   p.elbowDirection = {-0.4, 0, -0.8};
   Clothes c;
-  c.upper = draw.chance(0.6) ? "cloth" : "cloth_dark";
+  c.upper = drawCloth(draw, 0.4);
   c.helmet = draw.chance(0.6);
   c.backpack = draw.chance(0.4);
   PersonMaker(s, className, c).make(p);
@@ -307,7 +314,7 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
   const double size = draw.in(0.85, 1.12);  // factor on the size of an adult
   const bool grazes = form >= kPetForms && draw.chance(0.6);
   Shape s(builder, "animal");
-  const SurfaceIndex coat = s.surface("animal", draw.chance(0.5) ? "cloth" : "cloth_dark");
+  const SurfaceIndex coat = s.surface("animal", drawCloth(draw, 0.5));
   s.frame.linear = Mat3::scale(Vec3d{1, 1, 1} * size);
   const double middle = f.height - f.depth / 2;  // m, height of the trunk's axis
   const double half = f.length / 2;
