@@ -28,11 +28,11 @@ constexpr double kBareBelow = 0.6;        // twigs are added if `foliage` is sma
 
 // Typical trees along streets, by eye. Heights and crown radii vary by up to 12 % with the seed.
 constexpr std::array<Habit, kTreeForms> kHabits{{
-    {"lime", false, 9.0, 1.8, 2.7, 0.10, 31, 0.42, 5400, 0.20, "bark_dark"},
-    {"maple", false, 7.0, 1.4, 2.3, 0.085, 25, 0.45, 5000, 0.20, "bark_light"},
-    {"oak", false, 11.0, 2.0, 4.0, 0.16, 42, 0.38, 6300, 0.25, "bark_dark"},
+    {"lime", false, 9.4, 2.2, 2.7, 0.10, 31, 0.42, 5400, 0.20, "bark_dark"},
+    {"maple", false, 7.5, 1.9, 2.3, 0.085, 25, 0.45, 5000, 0.20, "bark_light"},
+    {"oak", false, 11.4, 2.4, 4.0, 0.16, 42, 0.38, 6300, 0.25, "bark_dark"},
     {"poplar", false, 14.0, 1.0, 1.5, 0.12, 36, 0.60, 5400, 0.19},
-    {"birch", false, 9.5, 1.6, 1.9, 0.07, 34, 0.40, 4500, 0.16, "bark_light"},
+    {"birch", false, 9.8, 1.9, 1.9, 0.07, 34, 0.40, 4500, 0.16, "bark_light"},
     {"apple", false, 4.6, 1.1, 1.9, 0.07, 20, 0.45, 3800, 0.16},
     {"spruce", true, 12.0, 0.9, 2.4, 0.13, 0, 0, 5600, 0.32},
     {"pine", true, 9.0, 1.6, 2.2, 0.12, 0, 0, 4800, 0.30},
