@@ -213,10 +213,7 @@ void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simul
     comparison.advice.insert(comparison.advice.end(), effects.begin(), effects.end());
     if (!comparison.advice.empty()) comparison.unadvised.clear();
   } catch (const InputError& error) {
-    comparison.unadvised = fmt::format(
-        "The second set's pipeline cannot be read: {}. If its files are elsewhere, name the pipeline with "
-        "--pipeline FILE.",
-        error.what());
+    comparison.unadvised = fmt::format("The second set's pipeline cannot be read: {}", error.what());
   }
 }
 
