@@ -82,11 +82,11 @@ class HouseMaker {
     const int rearColumns = std::max(2, h_.columns - draw_.below(2));
     addFacade(s_, look, {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width,
               windows(rearColumns, h_.width), draw_);
-    const int sideColumns = std::max(1, static_cast<int>(h_.depth / 4));
-    addFacade(s_, look, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth, windows(sideColumns, h_.depth),
-              draw_);
+    const auto sideColumns = [&](bool party) { return party ? 0 : std::max(1, static_cast<int>(h_.depth / 4)); };
+    addFacade(s_, look, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth,
+              windows(sideColumns(h_.partyRight), h_.depth), draw_);
     addFacade(s_, look, {{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth,
-              windows(sideColumns, h_.depth), draw_);
+              windows(sideColumns(h_.partyLeft), h_.depth), draw_);
   }
 
   Opening windowAt(double u, double floorZ) const {
@@ -161,8 +161,10 @@ class HouseMaker {
       s_.box(look_.trim, {h_.width + 0.03 - rightWidth / 2, 0.02, z}, {rightWidth, 0.1, height});
     }
     s_.box(look_.trim, {h_.width / 2, h_.depth - 0.02, z}, {h_.width + 0.06, 0.1, height});
-    for (const double x : {0.02, h_.width - 0.02})
-      s_.box(look_.trim, {x, h_.depth / 2, z}, {0.1, h_.depth - 0.14, height});
+    for (const bool left : {true, false}) {
+      if (left ? h_.partyLeft : h_.partyRight) continue;
+      s_.box(look_.trim, {left ? 0.02 : h_.width - 0.02, h_.depth / 2, z}, {0.1, h_.depth - 0.14, height});
+    }
   }
 
   // Adds the roof, the inner side of the parapet with its coping, a ventilation box and a pipe.
@@ -205,8 +207,8 @@ class HouseMaker {
     s_.triangle(look_.wall, {width, 0, look_.top}, {width, depth, look_.top}, {width, depth / 2, ridge});
     const double top = ridge + kThickness;
     const double eaves = look_.top - kEaves * slope_ + kThickness;
-    const double x0 = -kRake;
-    const double x1 = width + kRake;
+    const double x0 = h_.partyLeft ? 0 : -kRake;
+    const double x1 = h_.partyRight ? width : width + kRake;
     slab({x0, -kEaves, eaves}, {x1, -kEaves, eaves}, {x1, depth / 2, top}, {x0, depth / 2, top}, kThickness);
     slab({x1, depth + kEaves, eaves}, {x0, depth + kEaves, eaves}, {x0, depth / 2, top}, {x1, depth / 2, top},
          kThickness);

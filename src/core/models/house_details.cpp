@@ -77,8 +77,9 @@ class Details {
       for (const double y : {-depth / 2, h_.depth + depth / 2}) {
         s_.box(look_.trim, {h_.width / 2, y, z}, {h_.width + 2 * depth, depth, height});
       }
-      for (const double x : {-depth / 2, h_.width + depth / 2}) {
-        s_.box(look_.trim, {x, h_.depth / 2, z}, {depth, h_.depth, height});
+      for (const bool left : {true, false}) {
+        if (left ? h_.partyLeft : h_.partyRight) continue;
+        s_.box(look_.trim, {left ? -depth / 2 : h_.width + depth / 2, h_.depth / 2, z}, {depth, h_.depth, height});
       }
     }
   }

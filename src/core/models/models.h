@@ -187,6 +187,7 @@ struct House {
   std::optional<double> rise{};  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
   double forecourt = 0;          // m, depth of the ground in front of the house that a bay or porch may cover
   bool garage = false, ivy = false;
+  bool partyLeft = false, partyRight = false;  // true: a neighbour touches this wall, seen from the front
 
   double doorX() const { return width * (doorColumn + 0.5) / columns; }
   Vec3d garageMiddle() const { return {width + kGarageBeside + kGarageWidth / 2, kGarageFrom + kGarageDepth / 2, 0}; }

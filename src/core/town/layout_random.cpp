@@ -348,6 +348,7 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
   const double widest = halls ? 32 : result.attached ? 24 : 18;  // m
   result.house = drawHouse(draw, plot.number, std::clamp(result.width - result.gap, 6.0, widest), depth, floors);
   if (halls) result.house.roof = Roof::Flat;
+  if (result.attached && result.house.roof != Roof::Flat) result.house.roof = Roof::Gable;
   result.house.shop = c.terraced && draw.chance(0.4);
   return result;
 }
@@ -376,6 +377,13 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   house.pose = models::at({corner.x, corner.y, 0}, yaw);
   addGroundInFront(house, yaw, plotHouse.width, road.section.outer(), draw);
   if (plotHouse.hasDriveway) house.garage = addDriveway(house, yaw, road.section.outer(), draw);
+  if (plotHouse.attached && !houses.empty()) {
+    constexpr double kTouching = 0.3;  // m
+    House& leftHouse = plot.side > 0 ? houses.back() : house;
+    House& rightHouse = plot.side > 0 ? house : houses.back();
+    const Vec3d end = leftHouse.pose * Vec3d{leftHouse.width, 0, 0};
+    if (length(end - rightHouse.pose.translation) < kTouching) leftHouse.partyRight = rightHouse.partyLeft = true;
+  }
   houses.push_back(house);
   return true;
 }
