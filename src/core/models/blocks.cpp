@@ -103,10 +103,11 @@ class BlockMaker {
 
   // Adds the wall from `a` to `b` and the coping of its parapet, if any. Seen from `a`, the building is at the left.
   void wall(const Point2& a, const Point2& b, bool door) {
+    const bool open = walls_++ < b_.openWalls;
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
     const Affine frame{{along, {0, 0, 1}, {along.y, -along.x, 0}}, {a.x, a.y, 0}};
-    addFacade(s_, look_, frame, width, openings(width, door), draw_);
+    addFacade(s_, look_, frame, width, open ? openings(width, door) : std::vector<Opening>(), draw_);
     if (!hasParapet()) return;
     s_.boxAt(look_.metal, frame * at({width / 2, look_.top, 0}), {width + 0.05, 0.05, 0.3});
   }
@@ -199,6 +200,7 @@ class BlockMaker {
   Shape& s_;
   FacadeLook look_;
   Region plan_;
+  std::size_t walls_ = 0;  // number of walls so far
   double base_ = 0, storey_ = 3, windowWidth_ = 1.2, windowHeight_ = 1.4, spacing_ = 2.6;
 };
 

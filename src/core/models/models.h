@@ -36,7 +36,7 @@ enum class Kind : std::uint32_t {
   Crossing, Signals, GardenThings, TownPond, Square, Animals, RoadLamps, RoadSigns, MouthSign, Shelters, RoadFurniture,
   MapTree, Avenue, ParkTrees, GardenTrees, GardenBushes, WoodLattice, GrassAlongRoads, SidewalkParking, ParkedCar,
   ForecourtCars, StandingVehicles, PassingTraffic, SideTraffic, RoadCyclists, PeopleCounts, Pedestrian, ParkedBicycles,
-  SidewalkCyclist, ParkedMotorcycles, EgoLine, Sidewalk, Panel, BuildingLine, RearBuildings,
+  SidewalkCyclist, ParkedMotorcycles, EgoLine, Sidewalk, Panel, BuildingLine, RearBuildings, CornerHouse,
 };
 // clang-format on
 
@@ -204,9 +204,10 @@ struct Block {
   // outline is joined to the nearest end of the ridge. If `rise` is 0, the roof is flat.
   double rise = 0;
   std::array<Point2, 2> ridge{};
-  bool parapet = true;  // true: a flat roof over floors has a parapet
-  bool door = true;     // true: a block on the ground has a door
-  Point2 entrance;      // the door is in the wall whose middle is nearest to this point
+  bool parapet = true;           // true: a flat roof over floors has a parapet
+  bool door = true;              // true: a block on the ground has a door
+  std::size_t openWalls = 1000;  // number of walls with windows, from the outline's first; the others touch houses
+  Point2 entrance;               // the door is in the wall whose middle is nearest to this point
   bool shop = false;
   std::uint32_t number = 0;
   std::int64_t relation = 0;  // see House

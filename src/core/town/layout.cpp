@@ -62,13 +62,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
   drawRoundabout();
   drawPotholes();
   drawLand();
-  constexpr double kFirstPlot = 12;   // m along a side road, where plots begin
-  constexpr double kBehindPlots = 4;  // m, from the last plot of a side road to the road's end
-  for (const Road& road : roads()) {
-    for (const int side : {-1, 1}) {
-      addPlots(road, side, road.main ? mainFrom : kFirstPlot, road.main ? mainTo : road.length() - kBehindPlots);
-    }
-  }
+  addAllPlots();
   // After all plots, since plots come first on the ground that is left.
   for (const models::House& house : houses) {
     if (character.terraced) addRearBuildings(house);

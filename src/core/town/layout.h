@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/models.h"
@@ -162,7 +163,13 @@ class Layout {
   void drawLand();
   bool tryAddLand(Land land, const Road& road, int side, double along, double width, double depth);
   void addEntrances(Land land, const models::Footprint& area, double length);
+  void addAllPlots();
+  // Adds a house at the corner of the main road and a side road that has joins, the next in the main road's direction
+  // `direction` (1 or -1). Returns where the rows beside the house begin: m along the main and along the side road.
+  std::pair<double, double> addCornerHouse(const Road& road, int direction);
   void addPlots(const Road& road, int side, double from, double to);
+  // Returns the distance (m) from the road's centre line to the building line of attached houses.
+  double buildingLine(const Road& road, int side) const;
   struct PlotHouse;
   PlotHouse drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const;
   bool buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw);

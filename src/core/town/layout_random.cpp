@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "town/layout.h"
 
@@ -296,21 +297,130 @@ struct Layout::PlotHouse {
   bool wanted = false, hasDriveway = false;
 };
 
+double Layout::buildingLine(const Road& road, int side) const {
+  Draw draw(seed, Kind::BuildingLine, 2 * road.number + (side > 0 ? 1u : 0u));
+  const double setback = character.setback + draw.in(-1, 1) * character.setbackSpread;
+  return road.section.half + road.section.outer() + std::max(0.5, setback);
+}
+
+// Adds plots at both sides of all roads. In closed streets, rows end at the houses on corners.
+void Layout::addAllPlots() {
+  constexpr double kFirstPlot = 12;   // m along a side road, where plots begin if there is no house on the corner
+  constexpr double kBehindPlots = 4;  // m, from the last plot of a side road to the road's end
+  struct Mouth {
+    int side;         // of the main road, on which the side road is
+    double from, to;  // m along the main road, between the rows of houses
+  };
+  std::vector<Mouth> mouths;
+  std::map<std::pair<std::uint32_t, int>, double> firstPlots;  // m along a side road, by its number and side
+  for (const Road& road : roads()) {
+    if (!character.terraced || !road.joins) continue;
+    const int side = road.joinsLeft ? 1 : -1;
+    const auto [from, firstBefore] = addCornerHouse(road, -1);
+    const auto [to, firstBehind] = addCornerHouse(road, 1);
+    mouths.push_back({side, from, to});
+    firstPlots[{road.number, side}] = firstBefore;
+    firstPlots[{road.number, -side}] = firstBehind;
+  }
+  std::ranges::sort(mouths, {}, &Mouth::from);
+  for (const Road& road : roads()) {
+    for (const int side : {-1, 1}) {
+      const auto first = firstPlots.find({road.number, side});
+      double from = road.main ? mainFrom : first != firstPlots.end() ? first->second : kFirstPlot;
+      for (const Mouth& mouth : mouths) {
+        if (!road.main || mouth.side != side) continue;
+        addPlots(road, side, from, mouth.from);
+        from = std::max(from, mouth.to);
+      }
+      addPlots(road, side, from, road.main ? mainTo : road.length() - kBehindPlots);
+    }
+  }
+}
+
+std::pair<double, double> Layout::addCornerHouse(const Road& road, int direction) {
+  constexpr double kDepth = 13;     // m, depth of the house behind both building lines
+  constexpr double kCut = 3;        // m of both fronts that the cut corner takes
+  constexpr double kCovered = 0.6;  // fraction of the depth in which nothing else is placed; a sharp corner has no more
+  const Road& main = mainRoad();
+  const int side = road.joinsLeft ? 1 : -1;
+  const int sideOfRoad = -direction * side;
+  const double mainLine = side * buildingLine(main, side);
+  const double roadLine = sideOfRoad * buildingLine(road, sideOfRoad);
+  // Finds the crossing of the two building lines by Newton's method.
+  double onMain = *road.joins;
+  double onRoad = 0;
+  Point2 u;  // headings of the roads at the crossing
+  Point2 v;
+  for (int step = 0; step < 5; ++step) {
+    const models::Spot a = besideRoad(main, onMain, mainLine);
+    const models::Spot b = besideRoad(road, onRoad, roadLine);
+    u = {std::cos(a.yaw), std::sin(a.yaw)};
+    v = {std::cos(b.yaw), std::sin(b.yaw)};
+    const double dx = b.at.x - a.at.x;
+    const double dy = b.at.y - a.at.y;
+    const double cross = u.x * v.y - u.y * v.x;
+    onMain += (dx * v.y - dy * v.x) / cross;
+    onRoad += (dx * u.y - dy * u.x) / cross;
+  }
+  // The outline is a kite: the two walls that touch the neighbours are kDepth long, at right angles to the roads.
+  const double angle = std::acos(direction * (u.x * v.x + u.y * v.y));
+  const double front = kDepth / std::tan(angle / 2);
+  const auto onMainLine = [&](double along, double depth) {
+    return besideRoad(main, onMain + direction * along, mainLine + side * depth);
+  };
+  const auto onRoadLine = [&](double along, double depth) {
+    return besideRoad(road, onRoad + along, roadLine + sideOfRoad * depth);
+  };
+  Polygon outline{onRoadLine(front, 0).at, onRoadLine(kCut, 0).at, onMainLine(kCut, 0).at, onMainLine(front, 0).at,
+                  models::lerp(onMainLine(front, kDepth).at, onRoadLine(front, kDepth).at, 0.5)};
+  const Point2 entrance = models::lerp(outline[1], outline[2], 0.5);
+  const Point2 middle = models::lerp(entrance, outline[4], 0.5);
+  if (direction * side < 0) std::reverse(outline.begin(), outline.begin() + 4);
+  const auto strip = [&](const models::Spot& spot) {
+    return Footprint{spot.at, (front - kCut) / 2, kCovered * kDepth / 2, spot.yaw};
+  };
+  const double halfway = (front + kCut) / 2;
+  const Footprint strips[] = {strip(onMainLine(halfway, kCovered * kDepth / 2)),
+                              strip(onRoadLine(halfway, kCovered * kDepth / 2)),
+                              Footprint::square(middle, 0.3 * kDepth, std::atan2(u.y, u.x))};
+  const auto isOnRoad = [&](const Point2& p) { return besideAt(p).isOnRoadOrSidewalk(); };
+  const auto isTaken = [&](const Footprint& f) { return !occupied_.isFree(f); };
+  if (std::ranges::any_of(outline, isOnRoad) || std::ranges::any_of(strips, isTaken)) {
+    return {onMain, std::max(onRoad, 0.0)};
+  }
+  for (const Footprint& f : strips) {
+    occupied_.add(f);
+    covers.push_back(f);
+  }
+  Draw draw(seed, Kind::CornerHouse, 2 * road.number + (direction > 0 ? 1u : 0u));
+  PlacedBlock placed;
+  placed.about = {middle, front / 2, kDepth / 2, std::atan2(u.y, u.x)};
+  placed.entrance = entrance;
+  placed.block.outline = relativeTo(middle, outline);
+  placed.block.floors = character.floorsLow + draw.below(character.floorsHigh - character.floorsLow + 1);
+  placed.block.rise = draw.chance(0.5) ? draw.in(2, 4) : 0;
+  placed.block.openWalls = 3;
+  placed.block.entrance = relativeTo(middle, {entrance}).front();
+  placed.block.shop = draw.chance(0.6);
+  placed.block.number = static_cast<std::uint32_t>(blocks.size());
+  blocks.push_back(std::move(placed));
+  return {onMain + direction * front, onRoad + front};
+}
+
 // Adds the plots at one side of a road, from `from` to `to` (m along the road). Each plot has one random stream, whose
 // order must not change: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
   constexpr double kLeastPlot = 8;  // m; a shorter interval at the end of a road gets no plot
   constexpr double kIntoPlot = 6;   // m from the plot's front to the point at which areas are tested
-  const double buildingLine =       // m behind the sidewalk, of attached houses
-      character.setback +
-      Draw(seed, Kind::BuildingLine, 2 * road.number + (side > 0 ? 1u : 0u)).in(-1, 1) * character.setbackSpread;
+  const double setback = buildingLine(road, side) - road.section.half - road.section.outer();
   double start = from;
   while (to - start > kLeastPlot) {
     const auto number = static_cast<std::uint32_t>(plots.size());
     Draw draw(seed, Kind::Plot, number);
     Plot plot{.number = number, .road = road.number, .side = side, .from = start};
     plot.to = std::min(to, start + draw.around(character.plotWidth, 0.3));
-    plot.setback = character.terraced ? std::max(0.35, buildingLine + draw.in(-0.15, 0.15))
+    if (character.terraced && to - plot.to < kLeastPlot) plot.to = to;
+    plot.setback = character.terraced ? setback + draw.in(-0.15, 0.15)
                                       : std::max(1.0, character.setback + draw.in(-1, 1) * character.setbackSpread);
     PlotHouse plotHouse = drawPlotHouse(draw, road, plot);
     plot.depth = plotHouse.house.depth;
