@@ -38,10 +38,10 @@ class GroundMaker {
     set(GroundKind::Driveway, "driveway", "paving");
     set(GroundKind::Path, "driveway", "concrete");
     set(GroundKind::Lawn, "terrain", lawn);
+    if (!layout.areas.list().empty() || layout.character.terraced) set(GroundKind::Paved, "sidewalk", "paving");
     if (layout.areas.list().empty()) return;
     set(GroundKind::Water, "water", "water");
     set(GroundKind::Lot, "parking", paved ? "paving" : "asphalt");
-    set(GroundKind::Paved, "sidewalk", "paving");
   }
 
   // Returns the model of the ground: makes the tiling, cuts it along the roads' five borders and the edges of patches,

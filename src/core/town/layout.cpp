@@ -64,9 +64,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
   drawLand();
   addAllPlots();
   // After all plots, since plots come first on the ground that is left.
-  for (const models::House& house : houses) {
-    if (character.terraced) addRearBuildings(house);
-  }
+  for (const Plot& plot : plots) addRearBuildings(plot);
   setLevels();
 }
 

@@ -173,7 +173,9 @@ class Layout {
   struct PlotHouse;
   PlotHouse drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const;
   bool buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw);
-  void addRearBuildings(const models::House& house);
+  void addRearBuildings(const Plot& plot);
+  // Adds a building without windows. `walls`: its outline; `rise`: height of its gable roof (m), 0: the roof is flat.
+  void addPlainBuilding(const models::Footprint& walls, double height, double rise);
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;

@@ -498,39 +498,60 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   return true;
 }
 
-// Adds plain buildings behind a house, each behind a court, so that gaps in a closed street do not show open land.
-void Layout::addRearBuildings(const House& house) {
+// Adds rows of plain buildings behind a plot of a closed street, each behind a court, so that gaps do not show open
+// land. Instead of a building there may be garages. More than half of the courts are paved; the others are gardens.
+void Layout::addRearBuildings(const Plot& plot) {
+  if (!character.terraced) return;
   constexpr int kRows = 3;
-  constexpr double kOpen = 0.2;                              // fraction of the rows that stay open
-  constexpr double kStorey = 3, kGap = 0.1, kOverlap = 0.8;  // m; the last: see buildOn()
-  const double yaw = std::atan2(house.pose.linear.x.y, house.pose.linear.x.x);
-  Draw draw(seed, Kind::RearBuildings, house.number);
-  double behind = house.depth;  // m behind the front of the house
+  constexpr double kOverlap = 0.8, kWidest = 24;              // m; see buildOn() and drawPlotHouse()
+  constexpr double kStorey = 3, kGap = 0.1, kLeastWidth = 4;  // m
+  constexpr double kGarage = 3, kGarageDepth = 5.5;           // m
+  Draw draw(seed, Kind::RearBuildings, plot.number);
+  const double middle = (plot.from + plot.to) / 2;
+  const double width = std::min(plot.to - plot.from, kWidest);
+  const double front = plot.setback + plot.depth;
+  const auto rowAt = [&](double depth, double size) {
+    const models::Spot spot = inPlot(plot, middle, depth + size / 2);
+    return Footprint{spot.at, std::max(width / 2 - kGap, kLeastWidth / 2), size / 2,
+                     spot.yaw + (plot.side > 0 ? 0 : kPi)};
+  };
+  double behind = front;  // m behind the front of the plot
   for (int row = 0; row < kRows; ++row) {
     const double court = draw.in(5, 10), depth = draw.in(7, 12);
-    const Vec3d middle = house.pose * Vec3d{house.width / 2, behind + court + depth / 2, 0};
-    const Footprint rear{{middle.x, middle.y}, house.width / 2 - kGap, depth / 2, yaw};
+    const double height = kStorey * (1 + draw.below(character.floorsHigh));
+    const double rise = draw.chance(0.6) ? depth * draw.in(0.2, 0.4) : 0;
+    const bool open = draw.chance(0.2);
+    const Footprint rear = rowAt(behind + court, depth);
+    const Footprint free{rear.center, rear.halfX - kOverlap, rear.halfY, rear.yaw};
+    if (!isOffRoads(rear, 1.5) || !occupied_.isFree(free)) break;
     behind += court + depth;
-    const int floors = 1 + draw.below(character.floorsHigh);
-    if (draw.chance(kOpen)) continue;
-    if (!isOffRoads(rear, 1.5) || !occupied_.isFree({rear.center, rear.halfX - kOverlap, rear.halfY, yaw})) return;
-    occupied_.add({rear.center, rear.halfX - kOverlap, rear.halfY, yaw});
-    covers.push_back(rear);
-    PlacedBlock placed;
-    placed.about = rear;
-    placed.entrance = rear.at(0, -rear.halfY - kGap);
-    for (const Point2& p : cornersOf(rear)) {
-      placed.block.outline.push_back({p.x - rear.center.x, p.y - rear.center.y});
+    if (!open) {
+      occupied_.add(free);
+      addPlainBuilding(rear, height, rise);
+    } else if (draw.chance(0.7)) {
+      Footprint garages = rowAt(behind - depth / 2, kGarageDepth);
+      garages.halfX = kGarage / 2 * std::floor(2 * garages.halfX / kGarage);
+      addPlainBuilding(garages, draw.in(2.3, 2.7), 0);
     }
-    const auto onRidge = [&](double along) { return Point2{along * std::cos(yaw), along * std::sin(yaw)}; };
-    placed.block.rise = draw.chance(0.6) ? depth * draw.in(0.2, 0.4) : 0;
-    placed.block.ridge = {onRidge(-rear.halfX), onRidge(rear.halfX)};
-    placed.block.floors = 0;
-    placed.block.height = kStorey * floors;
-    placed.block.door = false;
-    placed.block.number = static_cast<std::uint32_t>(blocks.size());
-    blocks.push_back(std::move(placed));
   }
+  if (behind == front || draw.chance(0.4)) return;
+  patches.push_back({TurnedRectangle(rowAt(front, behind - front)), GroundKind::Paved});
+}
+
+void Layout::addPlainBuilding(const Footprint& walls, double height, double rise) {
+  covers.push_back(walls);
+  PlacedBlock placed;
+  placed.about = walls;
+  placed.entrance = walls.at(0, -walls.halfY);
+  placed.block.outline = relativeTo(walls.center, cornersOf(walls));
+  placed.block.rise = rise;
+  placed.block.ridge = {relativeTo(walls.center, {walls.at(-walls.halfX, 0)}).front(),
+                        relativeTo(walls.center, {walls.at(walls.halfX, 0)}).front()};
+  placed.block.floors = 0;
+  placed.block.height = height;
+  placed.block.door = false;
+  placed.block.number = static_cast<std::uint32_t>(blocks.size());
+  blocks.push_back(std::move(placed));
 }
 
 // Adds a paved forecourt, or a path to the road. `width`: width of the plot; `outer`: distance to the carriageway (m).

@@ -5,7 +5,9 @@ namespace scanmill::town {
 Placer::Placer(SceneBuilder& sceneBuilder, const Layout& townLayout, const Affine& frame)
     : builder(sceneBuilder), layout(townLayout), worldFromTown(frame) {
   for (const Footprint& cover : layout.covers) occupancy.add(cover);
-  for (const Patch& patch : layout.patches) driveways.add(patch.rectangle);
+  for (const Patch& patch : layout.patches) {
+    if (patch.kind != GroundKind::Paved) driveways.add(patch.rectangle);
+  }
 }
 
 void Placer::put(const Model& m, const Spot& s, const std::string& name, double sink) {

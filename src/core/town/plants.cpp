@@ -142,14 +142,16 @@ void plantGarden(Placer& placer, const Plot& plot) {
   constexpr int kAttempts = 4;
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::GardenTrees, plot.number);
+  const bool courts = l.character.terraced;  // true: trees may stand on the paved ground behind the houses
   const double expected = l.character.gardenTrees * draw.in(0.3, 1.7);
   const auto count = static_cast<int>(expected + draw.next());
   for (int k = 0; k < count; ++k) {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const bool front = draw.chance(0.4) && plot.setback > 3;
-      const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, 26);
+      const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, courts ? 60 : 26);
       const Spot spot = l.inPlot(plot, draw.in(plot.from, plot.to), depth);
-      if (!onLawn(l, spot.at, 0.5)) continue;
+      const bool inCourt = courts && depth > plot.setback + plot.depth && !l.besideAt(spot.at).isOnRoadOrSidewalk(8);
+      if (!inCourt && !onLawn(l, spot.at, 0.5)) continue;
       if (plantNumbered(placer, draw, spot, front ? Trees::Broadleaf : Trees::Any, front ? 2.6 : INFINITY)) break;
     }
   }
@@ -247,6 +249,7 @@ void placeWoods(Placer& placer) {
                              kClearings * relief({l.seed, Field::Clearings}, spot.at.x, spot.at.y, kClearingSize);
       const std::optional<Land> land = l.areas.landAt(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
+      if (l.kindAt(b, spot.at) == GroundKind::Paved) continue;
       if (draw.chance(0.55)) {
         const Model& bush = draw.itemOf(bushes);
         if (placer.isFree(Footprint::square(spot.at, 1.1))) {
