@@ -51,6 +51,7 @@ std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, doub
 
 constexpr double kDriveway = 3;      // m, width of a driveway
 constexpr double kWalkway = 1.4;     // m, width of a path to a house
+constexpr double kPassage = 3.2;     // m, width of a passage between two houses of a row
 constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of it where a path begins
 
 }  // namespace
@@ -339,7 +340,7 @@ void Layout::addAllPlots() {
 
 std::pair<double, double> Layout::addCornerHouse(const Road& road, int direction) {
   constexpr double kDepth = 13;     // m, depth of the house behind both building lines
-  constexpr double kCut = 3;        // m of both fronts that the cut corner takes
+  constexpr double kLeastCut = 3;   // m of both fronts that the cut corner takes, more where the sidewalk is rounded
   constexpr double kCovered = 0.6;  // fraction of the depth in which nothing else is placed; a sharp corner has no more
   const Road& main = mainRoad();
   const int side = road.joinsLeft ? 1 : -1;
@@ -371,19 +372,21 @@ std::pair<double, double> Layout::addCornerHouse(const Road& road, int direction
   const auto onRoadLine = [&](double along, double depth) {
     return besideRoad(road, onRoad + along, roadLine + sideOfRoad * depth);
   };
-  Polygon outline{onRoadLine(front, 0).at, onRoadLine(kCut, 0).at, onMainLine(kCut, 0).at, onMainLine(front, 0).at,
+  const auto isOnRoad = [&](const Point2& p) { return besideAt(p).isOnRoadOrSidewalk(); };
+  double cut = kLeastCut;
+  while (cut < front - 2 && (isOnRoad(onRoadLine(cut, 0).at) || isOnRoad(onMainLine(cut, 0).at))) cut += 0.5;
+  Polygon outline{onRoadLine(front, 0).at, onRoadLine(cut, 0).at, onMainLine(cut, 0).at, onMainLine(front, 0).at,
                   models::lerp(onMainLine(front, kDepth).at, onRoadLine(front, kDepth).at, 0.5)};
   const Point2 entrance = models::lerp(outline[1], outline[2], 0.5);
   const Point2 middle = models::lerp(entrance, outline[4], 0.5);
   if (direction * side < 0) std::reverse(outline.begin(), outline.begin() + 4);
   const auto strip = [&](const models::Spot& spot) {
-    return Footprint{spot.at, (front - kCut) / 2, kCovered * kDepth / 2, spot.yaw};
+    return Footprint{spot.at, (front - cut) / 2, kCovered * kDepth / 2, spot.yaw};
   };
-  const double halfway = (front + kCut) / 2;
+  const double halfway = (front + cut) / 2;
   const Footprint strips[] = {strip(onMainLine(halfway, kCovered * kDepth / 2)),
                               strip(onRoadLine(halfway, kCovered * kDepth / 2)),
                               Footprint::square(middle, 0.3 * kDepth, std::atan2(u.y, u.x))};
-  const auto isOnRoad = [&](const Point2& p) { return besideAt(p).isOnRoadOrSidewalk(); };
   const auto isTaken = [&](const Footprint& f) { return !occupied_.isFree(f); };
   if (std::ranges::any_of(outline, isOnRoad) || std::ranges::any_of(strips, isTaken)) {
     return {onMain, std::max(onRoad, 0.0)};
@@ -410,13 +413,18 @@ std::pair<double, double> Layout::addCornerHouse(const Road& road, int direction
 // Adds the plots at one side of a road, from `from` to `to` (m along the road). Each plot has one random stream, whose
 // order must not change: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
-  constexpr double kLeastPlot = 8;  // m; a shorter interval at the end of a road gets no plot
-  constexpr double kIntoPlot = 6;   // m from the plot's front to the point at which areas are tested
+  constexpr double kLeastPlot = 8;   // m; a shorter interval at the end of a road gets no plot
+  constexpr double kIntoPlot = 6;    // m from the plot's front to the point at which areas are tested
+  constexpr double kPassages = 0.1;  // fraction of attached houses with a passage beside them
+  constexpr double kPassageDepth = 6.5, kPassageHeight = 3;  // m, of the building above a passage, and below it
   const double setback = buildingLine(road, side) - road.section.half - road.section.outer();
   double start = from;
   while (to - start > kLeastPlot) {
     const auto number = static_cast<std::uint32_t>(plots.size());
     Draw draw(seed, Kind::Plot, number);
+    const bool inRow = start > from && !plots.empty() && plots.back().built && plots.back().to == start;
+    const bool passage = character.terraced && draw.chance(kPassages) && inRow;
+    if (passage) start += kPassage;
     Plot plot{.number = number, .road = road.number, .side = side, .from = start};
     plot.to = std::min(to, start + draw.around(character.plotWidth, 0.3));
     if (character.terraced && to - plot.to < kLeastPlot) plot.to = to;
@@ -429,6 +437,13 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
     plotHouse.wanted = draw.chance(character.built) && plotHouse.width >= kLeastWidth;
     plotHouse.hasDriveway = !plotHouse.attached && draw.chance(0.6) && plotHouse.gap > kDriveway - kTight;
     plot.built = buildOn(plot, road, plotHouse, draw);
+    if (passage && plot.built) {
+      const models::Spot middle = inPlot(plot, start - kPassage / 2, plot.setback + 0.5 + kPassageDepth / 2);
+      addPlainBuilding({middle.at, kPassage / 2 + 0.1, kPassageDepth / 2, middle.yaw + (side > 0 ? 0 : kPi)},
+                       2.9 * houses.back().floors, 0);
+      blocks.back().block.base = kPassageHeight;
+    }
+    if (character.terraced && !plot.built) plot.fencing = Fencing::Brick;  // a wall closes the gap
     start = plot.to;
     // Plots without a house become gardens, but are left out if they are on an area, such as a park or parking lot.
     const double middle = (plot.from + plot.to) / 2;
@@ -488,7 +503,7 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   addGroundInFront(house, yaw, plotHouse.width, road.section.outer(), draw);
   if (plotHouse.hasDriveway) house.garage = addDriveway(house, yaw, road.section.outer(), draw);
   if (plotHouse.attached && !houses.empty()) {
-    constexpr double kTouching = 0.3;  // m
+    constexpr double kTouching = kPassage + 0.3;  // m, distance up to which walls are hidden or in a passage
     House& leftHouse = plot.side > 0 ? houses.back() : house;
     House& rightHouse = plot.side > 0 ? house : houses.back();
     const Vec3d end = leftHouse.pose * Vec3d{leftHouse.width, 0, 0};
