@@ -341,6 +341,7 @@ void Layout::addAllPlots() {
 std::pair<double, double> Layout::addCornerHouse(const Road& road, int direction) {
   constexpr double kDepth = 13;     // m, depth of the house behind both building lines
   constexpr double kLeastCut = 3;   // m of both fronts that the cut corner takes, more where the sidewalk is rounded
+  constexpr double kOverlap = 0.8;  // m by which neighbours may stand in it on the inner side of a bend
   constexpr double kCovered = 0.6;  // fraction of the depth in which nothing else is placed; a sharp corner has no more
   const Road& main = mainRoad();
   const int side = road.joinsLeft ? 1 : -1;
@@ -392,7 +393,7 @@ std::pair<double, double> Layout::addCornerHouse(const Road& road, int direction
     return {onMain, std::max(onRoad, 0.0)};
   }
   for (const Footprint& f : strips) {
-    occupied_.add(f);
+    occupied_.add({f.center, f.halfX - kOverlap, f.halfY, f.yaw});
     covers.push_back(f);
   }
   Draw draw(seed, Kind::CornerHouse, 2 * road.number + (direction > 0 ? 1u : 0u));
@@ -491,10 +492,10 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   const Footprint body{center, house.width / 2, house.depth / 2, yaw};
   constexpr double kApart = 0.4;  // m, half of the least distance between two houses
   // On the inner side of a bend, attached houses may overlap at the back.
-  constexpr double kOverlap = 0.8;  // m, half of the largest overlap
-  const Footprint free{center, body.halfX + (plotHouse.attached ? -kOverlap : kApart), body.halfY + kApart, yaw};
+  const double overlap = std::max(0.8, 0.08 * house.width);  // m, half of the largest overlap
+  const Footprint free{center, body.halfX + (plotHouse.attached ? -overlap : kApart), body.halfY + kApart, yaw};
   if (!plotHouse.wanted || !isOffRoads(body, 0.0) || !occupied_.isFree(free)) return false;
-  occupied_.add({center, body.halfX - (plotHouse.attached ? kOverlap : 0), body.halfY, yaw});
+  occupied_.add({center, body.halfX - (plotHouse.attached ? overlap : 0), body.halfY, yaw});
   house.forecourt = plot.setback;
   house.ivy = draw.chance(0.2 * parameters.greenery);
   // In the house's frame, the front wall is at y = 0 and faces -y; seen from the road, x points to the right.
