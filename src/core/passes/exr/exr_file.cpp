@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVecAttribute.h>
@@ -168,11 +169,6 @@ std::pair<std::uint32_t, std::uint32_t> sizeOf(const std::string& name, const Im
   return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
 
-ExrType typeOf(Imf::PixelType type) {
-  if (type == Imf::UINT) return ExrType::Uint32;
-  return type == Imf::HALF ? ExrType::Float16 : ExrType::Float32;
-}
-
 // Reads rows [first, end) of the targets, all of which belong to part `part`.
 void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
@@ -273,32 +269,16 @@ std::vector<ExrChannel> channelsOf(const std::string& name, const Imf::MultiPart
   std::vector<ExrChannel> channels;
   for (auto entry = header.channels().begin(); entry != header.channels().end(); ++entry) {
     const Imf::Channel& channel = entry.channel();
-    channels.push_back({prefix + entry.name(), typeOf(channel.type), part, entry.name()});
+    const ExrType type = channel.type == Imf::UINT   ? ExrType::Uint32
+                         : channel.type == Imf::HALF ? ExrType::Float16
+                                                     : ExrType::Float32;
+    channels.push_back({prefix + entry.name(), type, part, entry.name()});
     if (channel.xSampling == 1 && channel.ySampling == 1) continue;
     throw InputError({name}, "channel '{}': has fewer samples than the image has pixels: write every pixel",
                      channels.back().name);
   }
   return channels;
 }
-
-// Buffers the file in memory: OpenEXR seeks back to fill in the offsets of lines, and AtomicFile cannot seek.
-class MemoryOutput : public Imf::OStream {
- public:
-  explicit MemoryOutput(const char* name) : Imf::OStream(name) {}
-  void write(const char data[], int count) override {
-    const auto size = static_cast<std::size_t>(count);
-    if (bytes_.size() < position_ + size) bytes_.resize(position_ + size);
-    std::memcpy(bytes_.data() + position_, data, size);
-    position_ += size;
-  }
-  std::uint64_t tellp() override { return position_; }
-  void seekp(std::uint64_t position) override { position_ = position; }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-  std::size_t position_ = 0;
-};
 
 // Adds an attribute of the value's type to a header. Adds nothing for std::monostate.
 void addAttribute(Imf::Header& header, const std::string& name, const ExrValue& value) {
@@ -395,7 +375,7 @@ void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint3
               const ExrAttributes& attributes, std::span<const ExrPlane> planes, ExrCompression compression) {
   if (width == 0 || height == 0) throw Error("{}: an image without pixels cannot be written", path.string());
   AtomicFile file(path);
-  MemoryOutput stream(path.c_str());
+  Imf::StdOSStream stream;  // in memory: OpenEXR seeks back to fill in offsets of lines, and AtomicFile cannot seek
   try {
     Imf::Header header(static_cast<int>(width), static_cast<int>(height));
     header.compression() = compression == ExrCompression::Zip ? Imf::ZIP_COMPRESSION : Imf::NO_COMPRESSION;
@@ -415,7 +395,7 @@ void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint3
   } catch (const std::exception& error) {
     throw Error("{}: cannot be written as EXR: {}", path.string(), reasonOf(error));
   }
-  file.write(stream.bytes());
+  file.write(stream.str());
   file.commit();
 }
 
