@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <map>
 
 #include "base/file.h"
@@ -7,6 +6,7 @@
 #include "commands/stop_signal.h"
 #include "dataset/folder_contents.h"
 #include "dataset/names.h"
+#include "dataset/verify.h"
 #include "pipeline/plan/dataset_plan.h"
 #include "pipeline/run/generate.h"
 
@@ -50,10 +50,10 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   if (!ranges.empty()) {
     shards = parseShardRanges(ranges, manifest.shards.size());
   } else {
-    shards = damagedShards(folder, manifest);
-    for (const auto& [shard, problem] : undescribed) shards.push_back(shard);
-    std::ranges::sort(shards);
-    shards.erase(std::unique(shards.begin(), shards.end()), shards.end());
+    const std::vector<std::string> faults = shardFaults(folder, manifest, true);
+    for (std::uint32_t shard = 0; shard < faults.size(); ++shard) {
+      if (!faults[shard].empty() || undescribed.contains(shard)) shards.push_back(shard);
+    }
   }
   if (shards.empty()) {
     printText("all {} shards are undamaged: there is nothing to make\n", manifest.shards.size());

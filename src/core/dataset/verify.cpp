@@ -310,7 +310,29 @@ void checkUnlistedFiles(const fs::path& folder, const Manifest& manifest, std::v
   for (const std::string& name : unlisted) problems.push_back(name + ": is not in the manifest");
 }
 
+// Returns what is wrong with a shard, as a predicate; empty if nothing is. `hashed`: also compares the SHA-256.
+std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed) {
+  std::error_code failure;
+  if (!fs::is_regular_file(file, failure)) return "is missing";
+  const std::uint64_t bytes = fs::file_size(file, failure);
+  if (failure) return "cannot be read: " + failure.message();
+  if (bytes != record.bytes) return fmt::format("has {} bytes, not {} as the manifest says", bytes, record.bytes);
+  try {
+    return !hashed || sha256OfFile(file) == record.sha256 ? "" : "is damaged: its SHA-256 differs from the manifest";
+  } catch (const Error&) {
+    return "cannot be read";
+  }
+}
+
 }  // namespace
+
+std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& manifest, bool hashed) {
+  std::vector<std::string> faults(manifest.shards.size());
+  parallelForEach(faults.size(), 1, [&](std::size_t i) {
+    faults[i] = faultOf(folder / manifest.shards[i].file, manifest.shards[i], hashed);
+  });
+  return faults;
+}
 
 Verification verifyDataset(const fs::path& folder, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   std::map<std::uint32_t, std::string> undescribed;

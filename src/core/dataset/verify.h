@@ -32,6 +32,10 @@ struct Verification {
 [[nodiscard]] Verification verifyDataset(const std::filesystem::path& folder,
                                          const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
+// Returns one text per shard of the manifest: the shard's fault, or an empty text if the shard is sound. Compares the
+// file's size and, if `hashed` is true, the file's SHA-256 with the manifest.
+std::vector<std::string> shardFaults(const std::filesystem::path& folder, const Manifest& manifest, bool hashed);
+
 // Returns one line for each fault; none for a sound scan. `record`: the scan's record in the manifest, which must list
 // the record's sensor. `maxError`: largest error of a position in the scan's format (m).
 [[nodiscard]] std::vector<std::string> checkScan(const Scan& scan, const ScanRecord& record, const Manifest& manifest,

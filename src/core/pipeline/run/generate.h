@@ -77,9 +77,6 @@ struct GenerateSummary {
 // uninterrupted run (see dataset_folder.h).
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options);
 
-// Returns the indices of the shards that are missing, or whose bytes differ from the hashes in the manifest.
-std::vector<std::uint64_t> damagedShards(const std::filesystem::path& folder, const Manifest& manifest);
-
 // Recreates the shards with these indices and the files that describe their samples, then replaces them in `folder`.
 // `manifest`: from readManifest(), also if files of the dataset are damaged. `plan`: from planOfDataset(). Throws Error
 // and replaces nothing if new bytes differ from the hash in the manifest (the program or a file that the pipeline names

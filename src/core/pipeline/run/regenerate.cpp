@@ -8,7 +8,6 @@
 #include "base/folder_lock.h"
 #include "base/hash.h"
 #include "base/own_folder.h"
-#include "base/parallel.h"
 #include "config/version.h"
 #include "dataset/folder_contents.h"
 #include "dataset/names.h"
@@ -54,31 +53,7 @@ class RegenerationFolder {
   std::unique_ptr<FolderLock> lock_;
 };
 
-// Returns the SHA-256 of a file; an empty text if the file cannot be read.
-std::string hashOf(const fs::path& file) {
-  try {
-    return sha256OfFile(file);
-  } catch (const Error&) {
-    return {};
-  }
-}
-
 }  // namespace
-
-std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest& manifest) {
-  std::vector<char> damaged(manifest.shards.size());
-  parallelForEach(damaged.size(), 1, [&](std::size_t i) {
-    const fs::path file = folder / manifest.shards[i].file;
-    std::error_code failure;
-    damaged[i] = !fs::is_regular_file(file, failure) || fs::file_size(file, failure) != manifest.shards[i].bytes ||
-                 hashOf(file) != manifest.shards[i].sha256;
-  });
-  std::vector<std::uint64_t> damagedIndices;
-  for (std::size_t i = 0; i < damaged.size(); ++i) {
-    if (damaged[i] != 0) damagedIndices.push_back(i);
-  }
-  return damagedIndices;
-}
 
 void regenerateShards(const fs::path& folder, Manifest manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop) {

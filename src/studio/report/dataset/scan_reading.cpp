@@ -6,7 +6,6 @@
 
 #include "base/append_new.h"
 #include "base/file.h"
-#include "base/hash.h"
 #include "base/parallel.h"
 #include "base/random.h"
 
@@ -17,20 +16,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kBatchScans = 64;  // number of scans that are read between two reports of progress
-
-// Returns what is wrong with a shard, as a predicate; empty if nothing is. `hashed`: also compares the SHA-256.
-std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed) {
-  std::error_code failure;
-  if (!fs::is_regular_file(file, failure)) return "is missing";
-  const std::uint64_t bytes = fs::file_size(file, failure);
-  if (failure) return "cannot be read: " + failure.message();
-  if (bytes != record.bytes) return fmt::format("has {} bytes, not {} as the manifest says", bytes, record.bytes);
-  try {
-    return !hashed || sha256OfFile(file) == record.sha256 ? "" : "is damaged: its SHA-256 differs from the manifest";
-  } catch (const Error&) {
-    return "cannot be read";
-  }
-}
 
 Scan readScan(const ScanStore& store, const ScanIndex& index) {
   const SampleRecord& sample = store.manifest()->samples[index.sample];
@@ -58,14 +43,6 @@ struct SplitSamples {
 };
 
 }  // namespace
-
-std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& manifest, bool hashed) {
-  std::vector<std::string> faults(manifest.shards.size());
-  parallelForEach(faults.size(), 1, [&](std::size_t i) {
-    faults[i] = faultOf(folder / manifest.shards[i].file, manifest.shards[i], hashed);
-  });
-  return faults;
-}
 
 std::string readingFault(const ScanStore& store, std::size_t sample, const InputError& error) {
   const std::string damage = store.damage(sample);

@@ -39,10 +39,6 @@ std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most);
 std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
                                    std::uint64_t seed);
 
-// Returns one text per shard of the manifest: the shard's fault, or an empty text if the shard is sound. Compares the
-// file's size and, if `hashed` is true, the file's SHA-256 with the manifest.
-std::vector<std::string> shardFaults(const std::filesystem::path& folder, const Manifest& manifest, bool hashed);
-
 // Returns why a part of a sample cannot be read, with paths relative to the dataset's folder. If the sample's shard is
 // damaged, returns the damage instead, which is the same text for all samples of the shard.
 std::string readingFault(const ScanStore& store, std::size_t sample, const InputError& error);
@@ -57,7 +53,8 @@ struct ScanReading {
 
 // Reads the scans at `places` of a dataset. If a scan is stored in several formats, uses the most exact format that can
 // be decoded. Returns the faults: a line for each scan that cannot be read, or one line for all scans of a shard that
-// is truncated or not a tar file. Ignores scans of missing shards; shardFaults() reports missing shards.
+// is truncated or not a tar file. Ignores scans of missing shards, which shardFaults() in dataset/verify.h
+// reports.
 std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanIndex>& places,
                                    const ScanReading& reading);
 
