@@ -119,13 +119,9 @@ MemberName partsOfMember(const std::string& member) {
   std::string_view middle = std::string_view(member).substr(keyEnd + 1, lastDot - keyEnd - 1);  // "top.1.ray_tracing"
   parts.sensor = takePart(middle);
   const std::string_view number = middle.substr(0, middle.find('.'));
-  if (number.size() < middle.size() && isWholeNumber(number)) {
-    std::uint32_t revolution = 0;
-    if (std::from_chars(number.data(), number.data() + number.size(), revolution).ec == std::errc()) {
-      parts.revolution = revolution;
-      takePart(middle);
-    }
-  }
+  const bool isNumber = number.size() < middle.size() && isWholeNumber(number);
+  // A number that is too large is left to the method; std::from_chars() then does not set the revolution.
+  if (isNumber && std::from_chars(number.begin(), number.end(), parts.revolution).ec == std::errc()) takePart(middle);
   parts.method = middle;
   return parts;
 }

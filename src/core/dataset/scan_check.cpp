@@ -75,12 +75,6 @@ class ScanCheck {
     return manifest_.organised && std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z);
   }
 
-  // Returns true if the point possibly does not come from a surface: its cause is not Surface, or the scan lacks the
-  // column `cause`.
-  bool mayHaveNoSurface(std::size_t i) const {
-    return scan_[kCause].empty() || scan_[kCause][i] != static_cast<std::uint8_t>(Reason::Surface);
-  }
-
   void checkShape() {
     if (record_.beams != beams_.size()) problem("{} beams, but its sensor has {}", record_.beams, beams_.size());
     if (scan_.organised && scan_.size() != scan_.planes * beams_.size()) {
@@ -162,7 +156,10 @@ class ScanCheck {
         const double tolerance = maxError_ + kRangeRounding * beams_.maxRange;  // m
         return check(fmt::format("with {} outside {:.6g} to {:.6g} m", column.name, beams_.minRange, beams_.maxRange),
                      [&](std::size_t i, double value) {
-                       return isMiss(i) || (std::isnan(value) && mayHaveNoSurface(i)) ||
+                       // Points that come from no surface have no range. Without the column `cause` any may be such.
+                       const bool isOfSurface =
+                           !scan_[kCause].empty() && scan_[kCause][i] == static_cast<std::uint8_t>(Reason::Surface);
+                       return isMiss(i) || (std::isnan(value) && !isOfSurface) ||
                               (value >= beams_.minRange - tolerance && value <= beams_.maxRange + tolerance);
                      });
       }
