@@ -225,10 +225,8 @@ Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t 
   const auto within = [](double expected, double spread) {
     return Estimate{expected / spread, expected, expected * spread};
   };
-  return {.frames = frames,
-          .threads = costs.threads,
-          .seconds = within(seconds, costs.timeSpread),
-          .bytes = within(bytes, costs.byteSpread)};
+  return {
+      .threads = costs.threads, .seconds = within(seconds, costs.timeSpread), .bytes = within(bytes, costs.byteSpread)};
 }
 
 }  // namespace scanmill

@@ -20,7 +20,6 @@ struct Estimate {
 };
 
 struct Forecast {
-  std::uint64_t frames = 0;
   int threads = 0;
   Estimate seconds;  // wall time from the start of the program to the manifest (s)
   Estimate bytes;    // size of all shards (bytes)
