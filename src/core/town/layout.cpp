@@ -79,12 +79,15 @@ bool Layout::nearPothole(const Point2& p, double reach) const {
   });
 }
 
-// Adds `index` to the cells of a square that contains all points within kPatchReach of the rectangle `f`.
+// Adds `index` to the cells that may contain points within kPatchReach of the rectangle `f`.
 void Layout::addToCells(const Footprint& f, std::uint32_t index, models::CellIndex& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
+  const TurnedRectangle rectangle(f);
+  const auto middle = [](double v) { return kPatchCell * (static_cast<double>(models::cellOf(v, kPatchCell)) + 0.5); };
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
     for (const double x : models::steps(f.center.x - reach, f.center.x + reach + kPatchCell, kPatchCell)) {
-      cells.add({x, y}, index);
+      const double outside = rectangle.outside({middle(x), middle(y)});
+      if (outside < kPatchReach + kPatchCell) cells.add({x, y}, index);
     }
   }
 }
