@@ -72,11 +72,11 @@ Json surfaceRows(const SetComparison& comparison) {
         const ComparedFigure& figure = kSurfaceFigures[f];
         const double ratio = surface.simulated[f] / surface.real[f];
         const bool isUnlike = surface.real[f] > kLeastCounted && (ratio > kAlike || ratio * kAlike < 1);
-        row["figures"].push_back({{"title", fmt::format("{} ({})", figure.title, figure.unit)},
-                                  {"meaning", figure.meaning},
-                                  {"keys", figure.keys},
-                                  {"pair", threeDigits(surface.real[f]) + " / " + threeDigits(surface.simulated[f]) +
-                                               (isUnlike ? fmt::format(" ({})", factorText(ratio)) : "")}});
+        row["cells"].push_back({{"title", fmt::format("{} ({})", figure.title, figure.unit)},
+                                {"meaning", figure.meaning},
+                                {"keys", figure.keys},
+                                {"pair", threeDigits(surface.real[f]) + " / " + threeDigits(surface.simulated[f]) +
+                                             (isUnlike ? fmt::format(" ({})", factorText(ratio)) : "")}});
       }
     }
   }
@@ -170,6 +170,7 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   page["feature_groups"] = byMover(page["features"], "features");
   page["set_figure_groups"] = byMover(page["set_figures"], "set_figures");
   page["surfaces"] = surfaceRows(comparison);
+  if (!page["surfaces"].empty()) page["cells"] = page["surfaces"][0]["cells"];  // for the headings of the columns
   for (std::size_t i = 0; i < comparison.advice.size(); ++i) {
     const KeyChange& change = comparison.advice[i];
     page["advice"][i].update({{"try", nextText(change)},
