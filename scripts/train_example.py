@@ -17,6 +17,11 @@ learns nothing, and judges by the weights that are there: on the sets of --judge
 
 learns on recorded scans, to tell what simulated ones are worth: every tenth scan is the `val`, and there is no `test`.
 
+    scripts/train_example.py out/training /data/mine:4 -o out/both --judge other=/data/other_drive
+
+learns on several sets together. An epoch has each scan of /data/mine four times, each time augmented differently, and its
+`val` counts four times.
+
 The network is a U-Net over range images (as in RangeNet++, Milioto et al., IROS 2019), small enough for two cores. All
 scans are projected by their angles, those of other programs and other sensors too. Wants Debian's python3-torch and
 python3-matplotlib, and the package scanmill (docs/python.md).
@@ -27,6 +32,7 @@ import glob
 import json
 import os
 import pickle
+import re
 import sys
 import time
 from collections.abc import Sequence
@@ -41,7 +47,7 @@ try:
     from scanmill.torch import ScanDataset
     from torch import nn
     from torch.nn import functional
-    from torch.utils.data import DataLoader, Dataset
+    from torch.utils.data import ConcatDataset, DataLoader, Dataset
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
@@ -77,10 +83,11 @@ IGNORE = 255
 
 class RecordedScans(Dataset):
     """A folder of SemanticKITTI's: velodyne/NNNNNN.bin, float32 x, y, z, remission, and labels/NNNNNN.label, whose lower
-    16 bits are the class. `part`: "train" is nine scans of ten, "val" each tenth, otherwise all of them."""
+    16 bits are the class. `part`: "train" is nine scans of ten, "val" each tenth, otherwise all of them. `repeat`: how often
+    an epoch has each scan."""
 
-    def __init__(self, folder: Path, part: str = "", augment: Sequence = (), seed: int = 0) -> None:
-        self.transform, self.epoch = Compose(augment, seed), 0
+    def __init__(self, folder: Path, part: str = "", augment: Sequence = (), seed: int = 0, repeat: int = 1) -> None:
+        self.transform, self.epoch, self.repeat = Compose(augment, seed), 0, repeat
         self.table = np.full(65536, IGNORE, np.int64)
         for train_id, (_, ids) in enumerate(CLASSES.values()):
             self.table[ids] = train_id
@@ -103,26 +110,27 @@ class RecordedScans(Dataset):
         return scan.parent.parent / "labels" / f"{scan.stem}.label"
 
     def __len__(self) -> int:
-        return len(self.scans)
+        return self.repeat * len(self.scans)
 
     def __getitem__(self, index: int) -> dict:
+        repetition, index = divmod(index, len(self.scans))
         points = np.fromfile(self.scans[index], np.float32).reshape(-1, 4)
         labels = np.fromfile(self.labels_of(self.scans[index]), np.uint32)
         if len(labels) != len(points):
             sys.exit(f"error: {self.scans[index]} has {len(points)} points and {len(labels)} labels")
         keep = (points[:, :3] != 0).any(axis=1)
         sample = {"xyz": points[keep, :3], "intensity": points[keep, 3], "target": self.table[labels[keep] & 0xFFFF]}
-        return self.transform(sample, index, self.epoch)
+        return self.transform(sample, index, self.epoch * self.repeat + repetition)
 
 
 class SimulatedScans(ScanDataset):
     """A dataset of Scanmill's."""
 
-    def __init__(self, path: Path, split: str | None = None, augment: Sequence = (), seed: int = 0) -> None:
+    def __init__(self, path: Path, split: str | None = None, augment: Sequence = (), seed: int = 0, repeat: int = 1) -> None:
         dataset = scanmill.open(path)
         table = dataset.ontology.train_ids([names for names, _ in CLASSES.values()], IGNORE)
         transform = Compose(augment, seed)
-        super().__init__(dataset, split, columns=["intensity"], train_ids=table, transform=transform)
+        super().__init__(dataset, split, repeat=repeat, columns=["intensity"], train_ids=table, transform=transform)
 
 
 class Images:
@@ -260,8 +268,9 @@ def figures_of(counts: np.ndarray) -> dict:
     }
 
 
-def train(network: Network, training: Dataset, held_out: Dataset, images: Images, options: argparse.Namespace) -> dict:
-    """Trains for a number of steps of two scans each, and leaves the weights in the network that are best on held_out."""
+def train(network: Network, training: ConcatDataset, held_out: list, images: Images, options: argparse.Namespace) -> dict:
+    """Trains for a number of steps of two scans each, and leaves the weights in the network that are best on the sets of
+    held_out, pairs of a set and how often it counts."""
     weights = np.sqrt(1 / np.maximum(class_shares(training), 1e-4))
     loss_of = nn.CrossEntropyLoss(torch.from_numpy(weights / weights.mean()).float(), ignore_index=IGNORE)
     adam = torch.optim.AdamW(network.parameters(), weight_decay=1e-3)
@@ -272,7 +281,8 @@ def train(network: Network, training: Dataset, held_out: Dataset, images: Images
     looks = {max(1, round(options.steps * share)) for share in (0.25, 0.5, 0.7, 0.85, 1)}
     start, step, epoch, best, losses = time.monotonic(), 0, 0, -1.0, []
     while step < options.steps:
-        training.set_epoch(epoch)
+        for scans in training.datasets:
+            scans.set_epoch(epoch)
         for batch in loader:
             network.train()
             adam.zero_grad()
@@ -286,7 +296,7 @@ def train(network: Network, training: Dataset, held_out: Dataset, images: Images
             if step not in looks and step % max(1, options.steps // 24) == 0:
                 print(f"step {step}: loss {np.mean(losses[-50:]):.3f}, {minutes * (options.steps / step - 1):.1f} min left", flush=True)
             if step in looks:
-                now = figures_of(confusion_of(network, held_out, images))["miou"]
+                now = figures_of(sum(times * confusion_of(network, scans, images) for scans, times in held_out))["miou"]
                 if now > best:
                     best, kept = now, {name: value.clone() for name, value in network.state_dict().items()}
                 left = minutes * (options.steps / step - 1)
@@ -296,7 +306,8 @@ def train(network: Network, training: Dataset, held_out: Dataset, images: Images
                 break
         epoch += 1
     network.load_state_dict(kept)
-    return {"scans": len(training), "epochs": epoch, "minutes": round((time.monotonic() - start) / 60, 1)}
+    distinct = sum(len(scans) // scans.repeat for scans in training.datasets)
+    return {"scans": distinct, "epochs": epoch, "minutes": round((time.monotonic() - start) / 60, 1)}
 
 
 def class_shares(scans: Dataset) -> np.ndarray:
@@ -397,6 +408,18 @@ def pictured(names: list[str]) -> list[str]:
     return chosen[:PICTURED]
 
 
+def source(text: str) -> tuple[Path, int, type]:
+    """What FOLDER or FOLDER:TIMES names: the folder, how often an epoch has each of its scans, and the class that reads it."""
+    folder, times = Path(text), 1
+    found = re.fullmatch(r"(.+):(\d+)", text)
+    if found and not folder.exists():
+        folder, times = Path(found[1]), int(found[2])
+    if times < 1:
+        sys.exit(f"error: {text}: an epoch has each scan once or more often")
+    recorded = not (folder / "manifest.json").exists() and bool(RecordedScans.files_in(folder))
+    return folder, times, RecordedScans if recorded else SimulatedScans
+
+
 def opened(text: str) -> dict[str, Dataset]:
     """The set that an option --judge names, or all of those in the folder that it names, as NAME/FOLDER."""
     name, separator, path = text.partition("=")
@@ -425,7 +448,8 @@ def read_weights(path: Path) -> dict:
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
-    parser.add_argument("dataset", help="a dataset of Scanmill's with the splits train, val and test, or recorded scans")
+    parser.add_argument("folders", nargs="+", metavar="FOLDER[:TIMES]", help="a dataset of Scanmill's with the splits train, val and test, or "
+                        "recorded scans; TIMES: how often an epoch has each of its scans (1)")  # fmt: skip
     parser.add_argument("-o", "--out", type=Path, required=True, help="folder for figures, pictures and weights")
     parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
     parser.add_argument("--weights", type=Path, metavar="FILE", help="judge by the weights.pt of an earlier run, and learn nothing")
@@ -452,17 +476,20 @@ def main() -> None:
     torch.manual_seed(options.seed)
     torch.set_num_threads(options.threads)
     augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2), vary_contrast]
-    recorded = not (Path(options.dataset) / "manifest.json").exists() and bool(RecordedScans.files_in(Path(options.dataset)))
-    scans_of = RecordedScans if recorded else SimulatedScans
-    training = None if options.weights else scans_of(Path(options.dataset), "train", augment, options.seed)
-    if training is not None and len(training) < 2:
-        sys.exit(f"error: {options.dataset} has {len(training)} scan to learn from; a step takes two")
-    splits = ("val", "test") if training is not None else () if options.judge else ("test",)
-    sets = {split: scans_of(Path(options.dataset), split) for split in splits if not recorded or split == "val"}
-    if recorded and not options.judge:
-        sys.exit(f"error: {options.dataset} has recorded scans, which have no test set: name others with --judge")
-    if training is not None and len(sets["val"]) == 0:
-        sys.exit(f"error: {options.dataset} has {len(training)} scans; ten scans at least are needed, every tenth is val")
+    sources = [source(text) for text in options.folders]
+    simulated = [folder for folder, _, scans_of in sources if scans_of is SimulatedScans]
+    if not simulated and not options.judge:
+        sys.exit(f"error: {options.folders[0]} has recorded scans, which have no test set: name others with --judge")
+    sets, training = {}, None
+    if not options.weights:
+        training = ConcatDataset([scans_of(folder, "train", augment, options.seed, times) for folder, times, scans_of in sources])
+        if len(training) < 2:
+            sys.exit(f"error: {options.folders[0]} has {len(training)} scan to learn from; a step takes two")
+        held_out = [(scans_of(folder, "val"), times) for folder, times, scans_of in sources]
+        if not any(len(scans) for scans, _ in held_out):
+            sys.exit(f"error: {options.folders[0]} has {len(training)} scans; ten scans at least are needed, every tenth is val")
+    if training is not None or not options.judge:
+        sets = {"test" if len(simulated) == 1 else f"test of {folder}": SimulatedScans(folder, "test") for folder in simulated}
     for text in options.judge:
         sets.update(opened(text))
     images = Images(options.rings, options.columns, tuple(options.elevation))
@@ -476,8 +503,9 @@ def main() -> None:
         network.load_state_dict(options.learned["network"])
     else:
         size = sum(p.numel() for p in network.parameters())
-        print(f"{size} weights, {len(training)} scans to learn, {torch.get_num_threads()} threads", flush=True)
-        trained = train(network, training, sets.pop("val"), images, options)
+        learned = ", ".join(f"{times} x {len(s) // times} scans of {p}" for s, (p, times, _) in zip(training.datasets, sources))
+        print(f"{size} weights, to learn {learned}; {torch.get_num_threads()} threads", flush=True)
+        trained = train(network, training, held_out, images, options)
         image = {name: getattr(options, name) for name in IMAGE}
         torch.save({"network": network.state_dict(), "image": json.dumps(image)}, options.out / "weights.pt")
 

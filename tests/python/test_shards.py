@@ -18,12 +18,8 @@ SIZES = [[5], [1], [0], [3, 0, 4], [1] * 7, [10, 1, 1, 1], [4] * 12, [0, 0, 9, 2
 
 def read_all(shards, readers, shuffle=0, epoch=0):
     """What each reader sees."""
-    return [
-        list(
-            Reading(shards, readers=readers, reader=reader, shuffle=shuffle, rng=lambda p: generator(1, 0, epoch, p))
-        )
-        for reader in range(readers)
-    ]
+    options = {"readers": readers, "shuffle": shuffle, "rng": lambda p: generator(1, 0, epoch, p)}
+    return [list(Reading(shards, reader=reader, **options)) for reader in range(readers)]
 
 
 class Readers(unittest.TestCase):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 SCRIPT = Path(__file__).parents[2] / "scripts" / "train_example.py"
 DATASET = os.environ["SCANMILL_TEST_DATASET"]
+SMALL = ["--rings", "24", "--columns", "192", "--elevation", "-20", "5", "--threads", "1"]
 MISSING = [name for name in ("torch", "matplotlib") if importlib.util.find_spec(name) is None]
 
 
@@ -25,9 +26,8 @@ class TrainExample(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
-    def train(self, out, *more):
-        small = ["--rings", "24", "--columns", "192", "--elevation", "-20", "5", "--threads", "1"]
-        done = run(DATASET, "-o", str(self.folder / out), *small, *more)
+    def train(self, out, *more, beside=()):
+        done = run(DATASET, *beside, "-o", str(self.folder / out), *SMALL, *more)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout, json.loads((self.folder / out / "figures.json").read_text())
 
@@ -57,7 +57,7 @@ class TrainExample(unittest.TestCase):
         drives = self.folder / "drives"
         export = [os.environ["SCANMILL"], "export", DATASET, "--to", "semantic_kitti", "-o", str(drives), "--quiet", "--sensor", "top"]
         subprocess.run(export, check=True)
-        small = ["--rings", "24", "--columns", "192", "--elevation", "-20", "5", "--threads", "1", "--steps", "4"]
+        small = [*SMALL, "--steps", "4"]
         fold = self.folder / "fold"
         fold.mkdir()
         (fold / "drives").symlink_to(drives)
@@ -67,6 +67,11 @@ class TrainExample(unittest.TestCase):
         self.assertEqual(list(figures["sets"]), ["same"])  # there is no test set
         scans = len(list(drives.rglob("velodyne/*.bin")))
         self.assertEqual(figures["training"]["scans"], scans - scans // 10)
+        printed, both = self.train("both", "--steps", "4", beside=[f"{drives}:2"])
+        self.assertIn(f"2 x {scans - scans // 10} scans of {drives}", printed)
+        self.assertEqual((list(both["sets"]), both["training"]["scans"]), (["test"], scans - scans // 10 + 4))
+        _, once = self.train("once", "--steps", "4", beside=[str(drives)])
+        self.assertNotEqual(once["sets"], both["sets"])
         for scan in sorted(drives.rglob("velodyne/*.bin"))[9:]:
             scan.unlink()
         done = run(str(drives), "-o", str(self.folder / "few"), *small, "--judge", f"same={drives}")
@@ -117,6 +122,7 @@ class TrainExample(unittest.TestCase):
             ([DATASET, "-o", str(self.folder / "d"), "--judge", f"real={empty}"], "velodyne"),
             ([DATASET, "-o", str(full)], "not empty"),
             ([DATASET, "-o", str(self.folder / "e"), "--columns", "180"], "multiple"),
+            ([f"{DATASET}:0", "-o", str(self.folder / "i")], "once or more"),
             ([DATASET, "-o", str(self.folder / "h"), "--elevation", "3", "-25"], "LOW HIGH"),
             ([DATASET, "-o", str(self.folder / "f"), "--weights", str(self.folder / "absent.pt")], "absent.pt"),
             ([DATASET, "-o", str(self.folder / "g"), "--weights", str(full / "mine.txt")], "mine.txt"),

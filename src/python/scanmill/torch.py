@@ -58,9 +58,13 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
     revolution of the sensor takes longer than the time between frames.
     """
 
-    def __init__(self, source: Dataset | Path, split: str | None = None, **reading: Any) -> None:
-        """`source`: a dataset or its path. `reading`: arguments of SampleReader (sensor, columns, train_ids, boxes,
-        min_points, transform, mix, seed). Raises InputError for an unknown split."""
+    def __init__(self, source: Dataset | Path, split: str | None = None, *, repeat: int = 1, **reading: Any) -> None:
+        """`source`: a dataset or its path. `repeat`: how often an epoch has each scan, each time with other random
+        numbers: its weight beside other sets in a ConcatDataset. `reading`: arguments of SampleReader (sensor, columns,
+        train_ids, boxes, min_points, transform, mix, seed). Raises InputError for an unknown split, and for `repeat`
+        below 1."""
+        if repeat < 1:
+            raise InputError("repeat must be at least 1")
         dataset = source if isinstance(source, Dataset) else open_dataset(source)
         self.dataset = dataset if split is None else dataset.split(split)
         self.reader = SampleReader(**reading)
@@ -68,6 +72,7 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
         if len(with_scan) < len(self.dataset):
             _warn_of_skipped(len(self.dataset) - len(with_scan), self.dataset.path)
             self.dataset = self.dataset.select(with_scan)
+        self.repeat = repeat
         self._epoch = _Epoch()
 
     def set_epoch(self, epoch: int) -> None:
@@ -76,10 +81,11 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
         self._epoch.set(epoch)
 
     def __len__(self) -> int:
-        return len(self.dataset)
+        return self.repeat * len(self.dataset)
 
     def __getitem__(self, index: int) -> dict[str, Any]:
-        return self.reader(self.dataset[int(index)], self._epoch.get())
+        repetition, number = divmod(range(len(self))[int(index)], len(self.dataset))
+        return self.reader(self.dataset[number], self._epoch.get() * self.repeat + repetition)
 
 
 class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
