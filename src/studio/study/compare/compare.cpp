@@ -376,8 +376,8 @@ SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
     if (sums[f].all.weight > 0) result.features.push_back(sums[f].all.mean(f));
   }
   sortByStrength(result.features);
-  std::ranges::stable_partition(result.features,
-                                [](const Separation& s) { return !kPatchFeatures[s.feature].isOfScene; });
+  std::ranges::stable_sort(result.features, {},
+                           [](const Separation& s) { return kPatchFeatures[s.feature].isOfScene; });
   addGroups(result, realGroups, simulatedGroups, sums);
   addRanges(result);
   addIntensities(result);

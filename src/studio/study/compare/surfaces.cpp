@@ -18,6 +18,11 @@ struct SurfacePixels {
   std::vector<float> along, above, lost;
 };
 
+double shareBeyond(const std::vector<float>& distances, float limit) {
+  const auto isBeyond = [&](float distance) { return distance > limit; };
+  return shareOf(static_cast<std::uint64_t>(std::ranges::count_if(distances, isBeyond)), distances.size());
+}
+
 }  // namespace
 
 SurfacesByGroup surfacesOf(const Patches& patches, const Groups& groups, bool knowsMisses) {
@@ -48,16 +53,8 @@ SurfacesByGroup surfacesOf(const Patches& patches, const Groups& groups, bool kn
   SurfacesByGroup figures;
   for (const auto& [cell, pixels] : cells) {
     if (std::min(pixels.along.size(), pixels.above.size()) < kFewestPixels) continue;
-    const auto beyond = [&](float limit) {
-      const auto count = std::ranges::count_if(pixels.along, [&](float distance) { return distance > limit; });
-      return static_cast<double>(count) / static_cast<double>(pixels.along.size());
-    };
-    figures[cell] = {quantileOf(pixels.along, 0.5),
-                     quantileOf(pixels.along, 0.75),
-                     quantileOf(pixels.along, 0.9),
-                     beyond(0.5f),
-                     beyond(2),
-                     meanOf(pixels.lost),
+    figures[cell] = {quantileOf(pixels.along, 0.5),  quantileOf(pixels.along, 0.75), quantileOf(pixels.along, 0.9),
+                     shareBeyond(pixels.along, 0.5), shareBeyond(pixels.along, 2),   meanOf(pixels.lost),
                      quantileOf(pixels.above, 0.5)};
     for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) figures[cell][f] *= kSurfaceFigures[f].factor;
   }
