@@ -52,7 +52,7 @@ Json byMover(const Json& rows, const char* name) {
   Json groups = Json::array();
   for (const bool isOfScene : {false, true}) {
     Json& group = groups.emplace_back();
-    group["moved_by"] = isOfScene ? "Only another scene changes these" : "Settings change these";
+    group["moved_by"] = isOfScene ? "Only another scene changes these" : "A setting can change these";
     for (const Json& row : rows) {
       if (row.at("only_scene") == isOfScene) group[name].push_back(row);
     }
@@ -70,13 +70,13 @@ Json surfaceRows(const SetComparison& comparison) {
       row = {{"group", group.name}, {"band", surface.band}};
       for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
         const ComparedFigure& figure = kSurfaceFigures[f];
-        const double ratio = surface.simulated[f] / surface.real[f];
-        const bool isUnlike = surface.real[f] > kLeastCounted && (ratio > kAlike || ratio * kAlike < 1);
-        row["cells"].push_back({{"title", fmt::format("{} ({})", figure.title, figure.unit)},
-                                {"meaning", figure.meaning},
-                                {"keys", figure.keys},
-                                {"pair", threeDigits(surface.real[f]) + " / " + threeDigits(surface.simulated[f]) +
-                                             (isUnlike ? fmt::format(" ({})", factorText(ratio)) : "")}});
+        const bool isUnlike = surface.isCounted(f) && !surface.isAlike(f);
+        row["cells"].push_back(
+            {{"title", fmt::format("{} ({})", figure.title, figure.unit)},
+             {"meaning", figure.meaning},
+             {"keys", figure.keys},
+             {"pair", threeDigits(surface.real[f]) + " / " + threeDigits(surface.simulated[f]) +
+                          (isUnlike ? fmt::format(" ({:.3g})", surface.simulated[f] / surface.real[f]) : "")}});
       }
     }
   }
@@ -88,7 +88,9 @@ Chart surfaceChart(const SetComparison& comparison) {
   Chart chart{
       .name = "surfaces",
       .title = "Surfaces in the small",
-      .note = "Each dot is a band of ranges. Between the lines, the simulated figure is within a factor of 1.5.",
+      .note =
+          "Each dot is a band of ranges: to the right of the lines the simulated set is rougher or has more gaps, "
+          "to the left less, by more than a factor of 1.5. At 0: it has none.",
       .x = {.title = "simulated / real", .scale = AxisScale::Log}};
   for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
     chart.series.push_back({.name = std::string(kSurfaceFigures[f].title), .color = f});
@@ -99,7 +101,7 @@ Chart surfaceChart(const SetComparison& comparison) {
     chart.y.names.push_back(group.name);
     for (const SurfaceComparison& surface : group.surfaces) {
       for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
-        if (!(surface.real[f] > kLeastCounted)) continue;
+        if (!surface.isCounted(f)) continue;
         chart.series[f].add({surface.simulated[f] / surface.real[f], row},
                             fmt::format("{}, {}: {:.3g} and {:.3g} {}", group.name, surface.band, surface.real[f],
                                         surface.simulated[f], kSurfaceFigures[f].unit));

@@ -334,7 +334,7 @@ OrderedJson bandsJson(const std::vector<BandComparison>& bands, const std::strin
 }
 
 OrderedJson surfaceJson(const SurfaceComparison& surface) {
-  OrderedJson json{{"band", surface.band}};
+  OrderedJson json{{"band", surface.band}, {"real_pixels", surface.realPixels}};
   for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
     json[kSurfaceFigures[f].name] = {
         {"unit", kSurfaceFigures[f].unit}, {"real", surface.real[f]}, {"simulated", surface.simulated[f]}};

@@ -53,10 +53,11 @@ SurfacesByGroup surfacesOf(const Patches& patches, const Groups& groups, bool kn
   SurfacesByGroup figures;
   for (const auto& [cell, pixels] : cells) {
     if (std::min(pixels.along.size(), pixels.above.size()) < kFewestPixels) continue;
-    figures[cell] = {quantileOf(pixels.along, 0.5),  quantileOf(pixels.along, 0.75), quantileOf(pixels.along, 0.9),
-                     shareBeyond(pixels.along, 0.5), shareBeyond(pixels.along, 2),   meanOf(pixels.lost),
-                     quantileOf(pixels.above, 0.5)};
-    for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) figures[cell][f] *= kSurfaceFigures[f].factor;
+    figures[cell] = {{quantileOf(pixels.along, 0.5), quantileOf(pixels.along, 0.75), quantileOf(pixels.along, 0.9),
+                      shareBeyond(pixels.along, 0.5), shareBeyond(pixels.along, 2), meanOf(pixels.lost),
+                      quantileOf(pixels.above, 0.5)},
+                     pixels.along.size()};
+    for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) figures[cell].figures[f] *= kSurfaceFigures[f].factor;
   }
   return figures;
 }
@@ -67,20 +68,30 @@ std::vector<SurfaceComparison> compareSurfaces(const SurfacesByGroup& real, cons
   for (std::size_t band = 0; band + 1 < kSurfaceBands.size(); ++band) {
     const auto ofReal = real.find({group, band}), ofSimulated = simulated.find({group, band});
     if (ofReal == real.end() || ofSimulated == simulated.end()) continue;
-    bands.push_back({fmt::format("{:g} to {:g} m", kSurfaceBands[band], kSurfaceBands[band + 1]), ofReal->second,
-                     ofSimulated->second});
+    bands.push_back({fmt::format("{:g} to {:g} m", kSurfaceBands[band], kSurfaceBands[band + 1]),
+                     ofReal->second.figures, ofSimulated->second.figures, ofReal->second.pixels});
   }
   return bands;
+}
+
+bool SurfaceComparison::isCounted(std::size_t figure) const {
+  constexpr double kFewestInShare = 10;  // pixels
+  const bool isShare = kSurfaceFigures[figure].unit == "%";
+  const double share = real[figure] / kSurfaceFigures[figure].factor;
+  return real[figure] >= kLeastCounted && !std::isnan(simulated[figure]) &&
+         (!isShare || share * static_cast<double>(realPixels) >= kFewestInShare);
+}
+
+bool SurfaceComparison::isAlike(std::size_t figure) const {
+  return real[figure] <= simulated[figure] * kAlike && simulated[figure] <= real[figure] * kAlike;
 }
 
 AlikeCount countAlike(const std::vector<SurfaceComparison>& surfaces) {
   AlikeCount count;
   for (const SurfaceComparison& band : surfaces) {
     for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
-      const double real = band.real[f], simulated = band.simulated[f];
-      if (!(real > kLeastCounted) || std::isnan(simulated)) continue;
-      ++count.all;
-      if (real / kAlike <= simulated && simulated <= real * kAlike) ++count.alike;
+      count.all += band.isCounted(f) ? 1 : 0;
+      count.alike += band.isCounted(f) && band.isAlike(f) ? 1 : 0;
     }
   }
   return count;

@@ -44,24 +44,36 @@ struct Groups {
   std::map<std::uint16_t, std::uint16_t> ofLabel{};  // group of each class id; empty: groups are shapes
 };
 
-using SurfacesByGroup = std::map<std::pair<std::uint16_t, std::size_t>, SurfaceFigures>;  // by group and band
+// What a set shows of a group in a band of ranges.
+struct Surfaces {
+  SurfaceFigures figures;
+  std::size_t pixels;  // pixels of the band
+};
+using SurfacesByGroup = std::map<std::pair<std::uint16_t, std::size_t>, Surfaces>;  // by group and band
 SurfacesByGroup surfacesOf(const Patches& patches, const Groups& groups, bool knowsMisses);
 
 // Figures of both sets in one band of ranges, as shown to users.
 struct SurfaceComparison {
   std::string band;
   SurfaceFigures real, simulated;
+  std::size_t realPixels;  // pixels of the real set
+
+  // True if a figure can be compared: both sets have it, it is at least kLeastCounted in the real one, and a share is
+  // that of several pixels there.
+  bool isCounted(std::size_t figure) const;
+  // True if the figures of both sets are within the factor kAlike.
+  bool isAlike(std::size_t figure) const;
 };
 
 // Returns the bands in which both sets have enough pixels of a group.
 std::vector<SurfaceComparison> compareSurfaces(const SurfacesByGroup& real, const SurfacesByGroup& simulated,
                                                std::uint16_t group);
 
-// A factor between two figures, and the least figure (in the unit that users see) that is counted.
+// A factor between two figures, and the least figure of the real set (in the unit that users see) that is counted.
 inline constexpr double kAlike = 1.5, kLeastCounted = 0.05;
 
 struct AlikeCount {
-  std::size_t alike = 0, all = 0;  // figures within kAlike of the real one, and all that can be compared
+  std::size_t alike = 0, all = 0;  // figures that are alike, and all that are counted
 };
 AlikeCount countAlike(const std::vector<SurfaceComparison>& surfaces);
 
