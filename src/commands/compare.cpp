@@ -64,11 +64,11 @@ void printComparison(const SetComparison& comparison) {
     }
     printText("{}\n", formatTable(rows));
   }
-  const AlikeCount surfaces = comparison.surfacesAlike();
+  const auto [alike, all] = comparison.surfacesAlike();
   printText(
       "{} of {} figures of surfaces in the small (by {} and range, on the page) are within a factor of {} of the "
       "real ones\n\n",
-      surfaces.alike, surfaces.all, comparison.byClass ? "class" : "shape", kAlike);
+      alike, all, comparison.byClass ? "class" : "shape", kAlike);
   if (comparison.advice.empty()) return printText("settings to try: none. {}\n\n", comparison.unadvised);
   rows = {{"to try", "now", "try", "for"}};
   for (const KeyChange& a : comparison.advice) {

@@ -344,14 +344,17 @@ OrderedJson surfaceJson(const SurfaceComparison& surface) {
 
 }  // namespace
 
-AlikeCount SetComparison::surfacesAlike() const {
-  AlikeCount sum;
+std::pair<std::size_t, std::size_t> SetComparison::surfacesAlike() const {
+  std::size_t alike = 0, all = 0;
   for (const GroupComparison& group : groups) {
-    const AlikeCount count = countAlike(group.surfaces);
-    sum.alike += count.alike;
-    sum.all += count.all;
+    for (const SurfaceComparison& band : group.surfaces) {
+      for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
+        all += band.isCounted(f) ? 1 : 0;
+        alike += band.isCounted(f) && band.isAlike(f) ? 1 : 0;
+      }
+    }
   }
-  return sum;
+  return {alike, all};
 }
 
 SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
@@ -432,8 +435,8 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                          {"road_pose", roadPose},
                          {"figures", figures},
                          {"features", features},
-                         {"surfaces_alike", comparison.surfacesAlike().alike},
-                         {"surfaces_compared", comparison.surfacesAlike().all},
+                         {"surfaces_alike", comparison.surfacesAlike().first},
+                         {"surfaces_compared", comparison.surfacesAlike().second},
                          {"advice", arrayOf(comparison.advice, changeJson)},
                          {"set", comparison.assignments},
                          {"unadvised", comparison.unadvised},

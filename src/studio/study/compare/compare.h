@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "config/value.h"
@@ -159,7 +160,8 @@ struct SetComparison {
   std::vector<std::string> assignments;  // arguments of --set that apply all advice
   std::string unadvised;                 // the reason why there is no advice, as a sentence; empty if there is advice
 
-  AlikeCount surfacesAlike() const;  // counts the surfaces of all groups
+  // Returns how many figures of surfaces are alike, and how many are counted.
+  std::pair<std::size_t, std::size_t> surfacesAlike() const;
   bool sensorsDiffer() const { return real.knowsRings && simulated.knowsRings && real.rows != simulated.rows; }
 };
 

@@ -86,15 +86,4 @@ bool SurfaceComparison::isAlike(std::size_t figure) const {
   return real[figure] <= simulated[figure] * kAlike && simulated[figure] <= real[figure] * kAlike;
 }
 
-AlikeCount countAlike(const std::vector<SurfaceComparison>& surfaces) {
-  AlikeCount count;
-  for (const SurfaceComparison& band : surfaces) {
-    for (std::size_t f = 0; f < kSurfaceFigureCount; ++f) {
-      count.all += band.isCounted(f) ? 1 : 0;
-      count.alike += band.isCounted(f) && band.isAlike(f) ? 1 : 0;
-    }
-  }
-  return count;
-}
-
 }  // namespace scanmill

@@ -72,9 +72,4 @@ std::vector<SurfaceComparison> compareSurfaces(const SurfacesByGroup& real, cons
 // A factor between two figures, and the least figure of the real set (in the unit that users see) that is counted.
 inline constexpr double kAlike = 1.5, kLeastCounted = 0.05;
 
-struct AlikeCount {
-  std::size_t alike = 0, all = 0;  // figures that are alike, and all that are counted
-};
-AlikeCount countAlike(const std::vector<SurfaceComparison>& surfaces);
-
 }  // namespace scanmill

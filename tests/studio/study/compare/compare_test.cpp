@@ -46,8 +46,8 @@ TEST(Compare, ASetAgainstItselfDiffersInNothing) {
       EXPECT_EQ(s.area, 0.5);
       EXPECT_EQ(s.realValue, s.simulatedValue);
     }
-    EXPECT_GE(same.surfacesAlike().all, 10u);
-    EXPECT_EQ(same.surfacesAlike().alike, same.surfacesAlike().all);
+    EXPECT_GE(same.surfacesAlike().second, 10u);
+    EXPECT_EQ(same.surfacesAlike().first, same.surfacesAlike().second);
   }
 }
 
@@ -138,7 +138,7 @@ TEST(Compare, SurfacesAreThoseOfThePlace) {
   EXPECT_EQ(real[3] + real[4] + real[5], 0);  // nothing beyond half a metre, nothing lost
   EXPECT_NEAR(simulated[5], 6, 0.6);
   EXPECT_LT(real[6], 18 * step * std::tan(radians(7)));
-  EXPECT_GT(found.surfacesAlike().all, found.surfacesAlike().alike);
+  EXPECT_GT(found.surfacesAlike().second, found.surfacesAlike().first);
 }
 
 // A long run is no drop-out of single beams.
