@@ -196,7 +196,7 @@ for name, values in iou.items():
 # has learned from them is fifteen points better (of the classes, trees, cars and buildings gain most). In rain, which
 # neither has seen, the difference is fifteen points, too, and both lose: what a network is to cope with, its training
 # set should have, such as [random weather](../vary.md). On the other sensor both fail. Its intensities follow another
-# curve, which makes buildings darker than lawns: for such a network vary or hide the intensities with
+# curve, which is the likely cause: for such a network vary or hide the intensities with
 # [`JitterIntensity` or `HideIntensity`](../python.md#augment).
 # %%
 colors = [ontology.palette()[ontology.id_of(name)] / 255 for name in groups]
