@@ -93,7 +93,7 @@ TEST(RangeImage, HasAPixelPerBeam) {
   ASSERT_EQ(image.width, stepX * 90 + sideWidth(lineHeight));
   const int top = static_cast<int>(std::lround(1.5 * lineHeight));  // below the title
   int bodyHeight = 0;
-  while (image.at(stepX * 70, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
+  while (top + bodyHeight < image.height && image.at(stepX * 70, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;
   ASSERT_EQ(bodyHeight, stepY * 8);
   const RangeStrip strip = makeRangeStrip(scan, std::vector<Rgb>(scan.size()), {});
