@@ -187,7 +187,7 @@ Pose striding(double phase, double reach, double swing, double lean) {
   return p;
 }
 
-// Returns the cloth of a garment. `dark`: share of black cloth, which is bright in the near infrared.
+// Returns the cloth of a garment. `dark`: share of black cloth among the rest, which is bright in the near infrared.
 const char* drawCloth(Draw& draw, double dark) {
   constexpr double kDull = 0.35;  // share of cloth that is dark in the near infrared, too
   const double kind = draw.next();

@@ -105,8 +105,8 @@ inline constexpr std::size_t kFeatureCount = kPatchFeatures.size();
 enum class PatchKind : std::uint8_t { Level, Upright, Slanted, Rough, Sparse };
 inline constexpr std::array<std::string_view, 5> kPatchKinds{"level", "upright", "slanted", "rough", "sparse"};
 
-// What is beside a patch's middle in a range image of about 1024 columns a turn, as networks see scans. A pixel of that
-// image has the nearest return of its beams.
+// The pixels beside a patch's middle in a range image of about 1024 columns a turn, as networks see scans. A pixel has
+// the nearest return of its beams.
 struct PixelNeighbours {
   enum : std::size_t { kLeft, kRight, kAbove, kCount };
   bool isPixel = false;                       // true: the patch's middle is the nearest return of its own pixel

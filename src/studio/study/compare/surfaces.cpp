@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "evaluate/spread.h"
 
@@ -12,8 +11,8 @@ namespace scanmill {
 
 namespace {
 
-// What the pixels of a group in a band show: distances (m) along the ring and to the ring above, and 1 for a pixel with
-// a lost neighbour, 0 for others.
+// The pixels of a group in a band: distances (m) along the ring and to the ring above; 1 for each pixel with a lost
+// neighbour, 0 for the others.
 struct SurfacePixels {
   std::vector<float> along, above, lost;
 };

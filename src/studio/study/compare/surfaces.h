@@ -20,14 +20,14 @@ namespace scanmill {
 inline constexpr auto kSurfaceFigures = std::to_array<ComparedFigure>({
     {"along_median", "along a ring, median", "mm", 1000, "distance of a range from the mean of the two beside",
      "effects range_noise, quantize and relief; how finely the scene's models are made"},
-    {"along_75", "75 %", "mm", 1000, "75th percentile of this distance", "as the median"},
-    {"along_90", "90 %", "mm", 1000, "90th percentile of this distance", "the scene: leaves, gaps, edges, windows",
-     false, true},
-    {"beyond_half", "above 0.5 m", "%", 100, "how often this distance is above 0.5 m",
-     "the scene: leaves, gaps, edges, windows", false, true},
-    {"beyond_two", "above 2 m", "%", 100, "how often this distance is above 2 m",
-     "the scene: leaves, gaps, edges, windows", false, true},
-    {"lost", "lost beside", "%", 100, "how often the pixel to the right has no return",
+    {"along_75", "along a ring, 75 %", "mm", 1000, "75th percentile of this distance", "as the median"},
+    {"along_90", "along a ring, 90 %", "mm", 1000, "90th percentile of this distance",
+     "the scene: leaves, gaps, edges; windows (light_paths)"},
+    {"beyond_half", "along a ring, above 0.5 m", "%", 100, "how often this distance is above 0.5 m",
+     "the scene: leaves, gaps, edges; windows (light_paths)"},
+    {"beyond_two", "along a ring, above 2 m", "%", 100, "how often this distance is above 2 m",
+     "the scene: leaves, gaps, edges; windows (light_paths)"},
+    {"lost", "lost neighbours", "%", 100, "how often the pixel to the right has no return",
      "effects dropout, detection and light_paths; sky beside the scene's things"},
     {"ring_to_ring", "ring to ring", "m", 1, "median difference of a range from the one above, of the same class",
      "effects ring_bias; how steep the scene's things are"},
@@ -44,12 +44,13 @@ struct Groups {
   std::map<std::uint16_t, std::uint16_t> ofLabel{};  // group of each class id; empty: groups are shapes
 };
 
-// What a set shows of a group in a band of ranges.
+// The figures of a set in one group and band of ranges.
 struct Surfaces {
   SurfaceFigures figures;
-  std::size_t pixels;  // pixels of the band
+  std::size_t pixels;  // number of pixels whose neighbours in the ring are of the group
 };
 using SurfacesByGroup = std::map<std::pair<std::uint16_t, std::size_t>, Surfaces>;  // by group and band
+// Measures the surfaces of a set. Omits groups and bands with too few pixels.
 SurfacesByGroup surfacesOf(const Patches& patches, const Groups& groups, bool knowsMisses);
 
 // Figures of both sets in one band of ranges, as shown to users.

@@ -121,8 +121,7 @@ TEST(Compare, FiguresOfASetAreThoseOfThePlace) {
 }
 
 // Along a ring, the range of the round wall is 18 m / cos(elevation) and an error z0; z0 - (z1 + z2) / 2 of normal
-// errors of deviation sigma is normal, of deviation sqrt(1.5) sigma. With four times the columns, a pixel has the
-// nearest of four returns.
+// errors of deviation sigma is normal, of deviation sqrt(1.5) sigma.
 TEST(Compare, SurfacesAreThoseOfThePlace) {
   const SetComparison found = compareSets(setOf({.sigma = 0.02}, 1), setOf({.sigma = 0.04, .lost = 0.06}, 11));
   const auto wall = std::ranges::find(found.groups, "wall", &GroupComparison::name);
@@ -139,6 +138,29 @@ TEST(Compare, SurfacesAreThoseOfThePlace) {
   EXPECT_NEAR(simulated[5], 6, 0.6);
   EXPECT_LT(real[6], 18 * step * std::tan(radians(7)));
   EXPECT_GT(found.surfacesAlike().second, found.surfacesAlike().first);
+}
+
+// Two beams make a pixel of 1/1024 turn.
+TEST(Compare, PixelsHaveTheNearestReturnOfTheirBeams) {
+  constexpr std::uint32_t kColumns = 2048;
+  Scan scan;
+  scan.rings = 1;
+  scan.columns = kColumns;
+  for (std::uint32_t c = 0; c < kColumns; ++c) {
+    const double azimuth = 2 * kPi * c / kColumns, range = c % 2 == 0 ? 10 : 11;
+    scan.position.push_back(
+        {static_cast<float>(range * std::cos(azimuth)), static_cast<float>(range * std::sin(azimuth)), 0});
+    scan[kRing].push_back(0);
+    scan[kColumn].push_back(static_cast<std::uint16_t>(c));
+  }
+  const Patches patches = patchesOf(scan, rangeGrid(scan), 0);
+  ASSERT_EQ(patches.size(), kColumns);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    EXPECT_EQ(patches.beside[i].isPixel, patches.range[i] < 10.5f);
+    EXPECT_NEAR(patches.beside[i].range[PixelNeighbours::kLeft], 10, 1e-4);
+    EXPECT_NEAR(patches.beside[i].range[PixelNeighbours::kRight], 10, 1e-4);
+    EXPECT_TRUE(std::isnan(patches.beside[i].range[PixelNeighbours::kAbove]));
+  }
 }
 
 // A long run is no drop-out of single beams.
