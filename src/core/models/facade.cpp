@@ -74,7 +74,7 @@ class FacadeMaker {
       s_.box(look_.casing, {lerp(u0, u1, double(k) / panes), middleV, w + 0.015}, {0.05, innerHeight, 0.05});
     }
     const bool shopWindow = v1 - v0 > 2;
-    if (!draw_.chance(shopWindow ? 0.5 : 0.1)) curtain(o);
+    if (!draw_.chance(shopWindow ? 0.25 : 0.1)) curtain(o);
     if (!shopWindow) {
       s_.box(look_.casing, {middleU, v1 - (v1 - v0) * 0.3, w + 0.013}, {u1 - u0 - kFrame * 2, 0.04, 0.046});
       s_.box(look_.trim, {middleU, v0 - 0.02, -0.035}, {u1 - u0 + 0.12, 0.05, 0.19});

@@ -282,16 +282,17 @@ void placeWires(Placer& placer) {
   constexpr double kBeforeWall = 0.02;     // m between the end of a wire and the front wall
   const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed);
   const std::vector<PlacedPole> poles = placePoles(placer, draw, pole);
-  models::Shape s(placer.builder, "wires");
-  const SurfaceIndex rubber = s.surface("object", "rubber");
   const double slack = draw.in(0.00025, 0.0005);  // 1/m, sag divided by the square of the distance between poles
   for (std::size_t i = 1; i < poles.size(); ++i) {
     const double distance = poles[i].along - poles[i - 1].along;
     if (distance > kMostBetweenPoles) continue;
     const double sag = slack * distance * distance;
     const Affine &from = poles[i - 1].pose, &to = poles[i].pose;
+    models::Shape s(placer.builder, fmt::format("wires {}", i));
+    const SurfaceIndex rubber = s.surface("object", "rubber");
     for (const Vec3d& p : pole.insulators) addWire(s, rubber, from * p, to * p, sag, kPowerRadius);
     addWire(s, rubber, from * pole.telephone, to * pole.telephone, sag, kTelephoneRadius);
+    placer.putShape(s);
   }
   for (const models::House& house : l.houses) {
     if (poles.empty() || !draw.chance(0.7)) continue;
@@ -301,9 +302,10 @@ void placeWires(Placer& placer) {
     const PlacedPole& nearest = *std::ranges::min_element(poles, {}, distance);
     const Vec3d start = nearest.pose * pole.telephone;
     if (distance(nearest) > kMostToHouse || !passesAbove(l, start, atWall)) continue;
-    addWire(s, rubber, start, atWall, kSagToHouse * distance(nearest), kHouseRadius);
+    models::Shape s(placer.builder, fmt::format("wire to house {}", house.number + 1));
+    addWire(s, s.surface("object", "rubber"), start, atWall, kSagToHouse * distance(nearest), kHouseRadius);
+    placer.putShape(s);
   }
-  if (!s.mesh.triangles.empty()) placer.putShape(s);
 }
 
 }  // namespace scanmill::town

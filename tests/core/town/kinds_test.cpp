@@ -121,7 +121,7 @@ TEST(Town, StreetsAreFlatStraightAndStill) {
     }
     EXPECT_GE(counted("traffic"), 1) << seed;
     EXPECT_GE(counted("pedestrian"), 4) << seed;
-    EXPECT_EQ(counted("wires") + counted("tuft"), 0) << seed;
+    EXPECT_EQ(counted("wire") + counted("tuft"), 0) << seed;
     const Mesh& ground = groundOf(scene);
     std::size_t level = 0;
     for (std::size_t k = 0; k < ground.triangles.size(); ++k) {
