@@ -65,8 +65,8 @@ generate("other sensor", others, "sensors.0.preset=hdl_32e")
 #
 # `CollateRangeImages` makes batches of range images by ring and column. `train_ids` merges the ontology's classes to
 # seven and ignores all others. Sensors differ in more than their beams: an HDL-32E numbers its rings from the bottom,
-# and each has a unit of intensity of its own, so the network sees the top ring first, and intensities relative to the
-# bright points of the same scan.
+# and each has a unit and a response of intensity of its own, so the network sees the top ring first, and as intensity the
+# share of the image's points that are darker.
 # %%
 groups = {
     "road": ["road", "road_marking", "parking", "driveway"],
@@ -98,8 +98,9 @@ def batches(*sets, size=1, shuffle=False):
 
 def inputs(batch):
     distance, height, intensity = batch["image"].unbind(1)
-    bright = intensity.flatten(1).quantile(0.95, dim=1).clamp(min=1e-6)[:, None, None]
-    strength = (intensity / bright).clamp(0, 1).sqrt()
+    values, seen = intensity.flatten(1), batch["mask"].flatten(1).sum(1, keepdim=True)
+    darker = torch.searchsorted(values.sort(1).values, values) - (values.shape[1] - seen)  # pixels without return are 0
+    strength = (darker / seen).clamp(min=0).view_as(intensity)
     return torch.stack([torch.log1p(distance) / 4, height / 3, strength, batch["mask"].float()], 1)
 
 

@@ -175,7 +175,8 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
 
 // Returns the suggested changes of effects. `effectItems`: effects of the simulated sensor, as returned by
 // sensorEffectItems(). Nothing is suggested for effects that the sensor lacks, for keys that are missing or not a
-// positive number (0, lists, random values), or for figures that differ by less than a tenth.
+// positive number (0, lists, random values), or for figures that differ by less than a tenth. Errors of rings may
+// differ by what another draw for each ring changes: three standard deviations of the ratio.
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& effectItems);
 
 // Returns an argument of --set that applies changes of effects, such as "effects=[sensor, ring_bias: {gain_sigma:

@@ -29,11 +29,12 @@ struct KeyInfluence {
   double power = 1;                // the key's value is proportional to the figure to this power
   double lowest = 0, highest = 0;  // bounds of the key's value
   bool isInteger = false;          // true: the key only takes integers
+  bool perRing = false;            // true: the key is a standard deviation of values that are drawn for each ring
 };
 
 constexpr KeyInfluence kKeyInfluences[] = {
-    {.figure = "ring_offset", .effect = "ring_bias", .key = "range_sigma_m", .highest = 10},
-    {.figure = "ring_gain", .effect = "ring_bias", .key = "gain_sigma", .highest = 2},
+    {.figure = "ring_offset", .effect = "ring_bias", .key = "range_sigma_m", .highest = 10, .perRing = true},
+    {.figure = "ring_gain", .effect = "ring_bias", .key = "gain_sigma", .highest = 2, .perRing = true},
     // Speckle with n looks causes an intensity scatter in proportion to 1 / sqrt(n).
     {.figure = "intensity_scatter",
      .effect = "speckle",
@@ -121,6 +122,8 @@ std::string KeyChange::suggestedText() const {
 
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& effectItems) {
   constexpr double kNearlyEqual = 1.1;  // a smaller ratio of the figures leads to no advice
+  // The spread of n drawn values scatters by 1 / sqrt(2 n) of itself, the ratio of two of them by 1 / sqrt(n).
+  const double nearlyEqualPerRing = 1 + 3 / std::sqrt(comparison.simulated.rows);
   std::vector<KeyChange> advice;
   for (const KeyInfluence& influence : kKeyInfluences) {
     const auto effect = effectNamed(effectItems, influence.effect);
@@ -129,7 +132,10 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
     if (std::max(figure->real, figure->simulated) < influence.leastFigure) continue;
     const std::optional<double> current = numberOf(readNamed(*effect, "an effect").options.valueOf(influence.key));
     const double ratio = figure->ratio();
-    if (!current || *current <= 0 || std::max(ratio, 1 / ratio) < kNearlyEqual) continue;
+    if (!current || *current <= 0 ||
+        std::max(ratio, 1 / ratio) < (influence.perRing ? nearlyEqualPerRing : kNearlyEqual)) {
+      continue;
+    }
     const double exact = *current * std::pow(ratio, influence.power);
     const double allowed = std::clamp(exact, influence.lowest, influence.highest);
     const double suggested = influence.isInteger ? std::round(allowed) : std::stod(fmt::format("{:.2g}", allowed));

@@ -35,6 +35,8 @@ TEST(CompareAdvice, LeadsToTheValueThatMadeTheOtherSet) {
 // Effects that are absent, keys that are lists, tables or distributions.
 TEST(CompareAdvice, IsNoneWhereNothingDiffersOrNoNumberScalesIt) {
   EXPECT_THAT(adviceFor(compared({}, {}), items(kOwn)), testing::IsEmpty());
+  const Flaws otherRings{.ringOffset = 0.065, .ringGain = 0.24};  // 32 rings: each draw has another spread by 18 %
+  EXPECT_THAT(adviceFor(compared({.ringOffset = 0.08, .ringGain = 0.3}, otherRings), items(kOwn)), testing::IsEmpty());
   const SetComparison differ = compared({.sigma = 0.005, .speckle = 0.2}, {.sigma = 0.02, .speckle = 0.05});
   EXPECT_THAT(adviceFor(differ, {}), testing::IsEmpty());
   EXPECT_THAT(
