@@ -26,25 +26,24 @@ struct KeyInfluence {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
   double leastFigure = 1;   // if both sets' figures (as shown to users) are below, they may differ by chance
   std::string_view effect, key;
-  double power = 1;                // the key's value is proportional to the figure to this power
-  double lowest = 0, highest = 0;  // bounds of the key's value
-  bool isInteger = false;          // true: the key only takes integers
-  bool perRing = false;            // true: the key is a standard deviation of values that are drawn for each ring
+  double power = 1;  // the key's value is proportional to the figure to this power
+  Range allowed;
+  bool whole = false;    // true: the key only takes integers
+  bool perRing = false;  // true: the key is a standard deviation of values that are drawn for each ring
 };
 
 constexpr KeyInfluence kKeyInfluences[] = {
-    {.figure = "ring_offset", .effect = "ring_bias", .key = "range_sigma_m", .highest = 10, .perRing = true},
-    {.figure = "ring_gain", .effect = "ring_bias", .key = "gain_sigma", .highest = 2, .perRing = true},
+    {.figure = "ring_offset", .effect = "ring_bias", .key = "range_sigma_m", .allowed = {0, 10}, .perRing = true},
+    {.figure = "ring_gain", .effect = "ring_bias", .key = "gain_sigma", .allowed = {0, 2}, .perRing = true},
     // Speckle with n looks causes an intensity scatter in proportion to 1 / sqrt(n).
     {.figure = "intensity_scatter",
      .effect = "speckle",
      .key = "looks",
      .power = -2,
-     .lowest = 1,
-     .highest = 30,
-     .isInteger = true},
-    {.figure = "range_scatter", .effect = "range_noise", .key = "sigma_m", .highest = 10},
-    {.figure = "single_missing", .leastFigure = 0.05, .effect = "dropout", .key = "probability", .highest = 1},
+     .allowed = {1, 30},
+     .whole = true},
+    {.figure = "range_scatter", .effect = "range_noise", .key = "sigma_m", .allowed = {0, 10}},
+    {.figure = "single_missing", .leastFigure = 0.05, .effect = "dropout", .key = "probability", .allowed = {0, 1}},
 };
 
 // Returns the number that a value is; nothing if it is no number.
@@ -121,9 +120,6 @@ std::string KeyChange::suggestedText() const {
 }
 
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& effectItems) {
-  constexpr double kNearlyEqual = 1.1;  // a smaller ratio of the figures leads to no advice
-  // The spread of n drawn values scatters by 1 / sqrt(2 n) of itself, the ratio of two of them by 1 / sqrt(n).
-  const double nearlyEqualPerRing = 1 + 3 / std::sqrt(comparison.simulated.rows);
   std::vector<KeyChange> advice;
   for (const KeyInfluence& influence : kKeyInfluences) {
     const auto effect = effectNamed(effectItems, influence.effect);
@@ -132,13 +128,12 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
     if (std::max(figure->real, figure->simulated) < influence.leastFigure) continue;
     const std::optional<double> current = numberOf(readNamed(*effect, "an effect").options.valueOf(influence.key));
     const double ratio = figure->ratio();
-    if (!current || *current <= 0 ||
-        std::max(ratio, 1 / ratio) < (influence.perRing ? nearlyEqualPerRing : kNearlyEqual)) {
-      continue;
-    }
+    // The spread of n drawn values scatters by 1 / sqrt(2 n) of itself, the ratio of two of them by 1 / sqrt(n).
+    const double nearlyEqual = influence.perRing ? 1 + 3 / std::sqrt(comparison.simulated.rows) : 1.1;
+    if (!current || *current <= 0 || std::max(ratio, 1 / ratio) < nearlyEqual) continue;
     const double exact = *current * std::pow(ratio, influence.power);
-    const double allowed = std::clamp(exact, influence.lowest, influence.highest);
-    const double suggested = influence.isInteger ? std::round(allowed) : std::stod(fmt::format("{:.2g}", allowed));
+    const double allowed = std::clamp(exact, influence.allowed.low, influence.allowed.high);
+    const double suggested = influence.whole ? std::round(allowed) : std::stod(fmt::format("{:.2g}", allowed));
     if (suggested == *current) continue;
     advice.push_back({.key = fmt::format("{}.{}", influence.effect, influence.key),
                       .figure = *figure,
