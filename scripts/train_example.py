@@ -147,9 +147,8 @@ class Images:
             projection = scanmill.spherical_projection(sample, *self.shape, tuple(self.elevation))
             xyz = sample["xyz"].astype(np.float32)
             distance = np.linalg.norm(xyz, axis=1)
-            # What counts as bright differs from sensor to sensor, and so do their units.
-            bright = max(float(np.percentile(sample["intensity"], 95)), 1e-6) if len(distance) else 1.0
-            strength = np.sqrt(np.clip(sample["intensity"] / bright, 0, 1))
+            # Sensors have other units and other responses: the intensity is the share of the scan's points that are darker.
+            strength = np.searchsorted(np.sort(sample["intensity"]), sample["intensity"]) / max(len(distance), 1)
             points = np.column_stack([np.log1p(distance) / 3, xyz / [20, 20, 2], strength]).astype(np.float32)
             images.append(filled(projection.image(points).transpose(2, 0, 1).copy()))
             targets.append(projection.image(sample["target"], IGNORE))
@@ -225,12 +224,6 @@ class Network(nn.Module):
         for narrow, up, halves in zip(self.narrow[::-1], self.up[::-1], self.HALVES[::-1]):
             image = up(levels.pop() + functional.interpolate(narrow(image), scale_factor=halves))
         return self.classify(image)
-
-
-def vary_contrast(sample: dict, rng: np.random.Generator) -> dict:
-    """Another sensor's intensities: of more or less contrast."""
-    strength = np.clip(sample["intensity"], 0, None) ** rng.uniform(0.6, 1.6)
-    return {**sample, "intensity": strength.astype(np.float32)}
 
 
 def shift_height(sample: dict, rng: np.random.Generator) -> dict:
@@ -475,7 +468,7 @@ def main() -> None:
     options = arguments()
     torch.manual_seed(options.seed)
     torch.set_num_threads(options.threads)
-    augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2), vary_contrast]
+    augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2)]
     sources = [source(text) for text in options.folders]
     simulated = [folder for folder, _, scans_of in sources if scans_of is SimulatedScans]
     if not simulated and not options.judge:
