@@ -99,8 +99,7 @@ inline pybind11::tuple staggerOf(const BeamTable& beams) {
       image.width);
 }
 
-// Adds missing columns as empty arrays. In datasets of earlier versions a scan without points has no columns; with
-// empty arrays instead, callers need no special case.
+// Adds the missing columns of a scan without points as empty arrays: Draco may leave out the column `time`.
 inline void addEmptyColumns(const std::vector<std::string>& names, pybind11::dict& arrays) {
   for (const std::string& name : names) {
     const std::size_t index = columnIndex(name);

@@ -329,9 +329,7 @@ py::list simulate(const Simulator& simulator, const std::vector<Array<double>>& 
   }
   py::list scansOfSensors;
   for (SimulatedScan& simulated : scans) {
-    const bool empty = simulated.scan.size() == 0;
     py::dict arrays = arraysOf(std::move(simulated.scan));
-    if (empty) addEmptyColumns(scanColumnNames(simulator.plan().columns()), arrays);
     arrays["world_from_sensor"] = matricesOf(simulated.worldFromSensor);
     scansOfSensors.append(std::move(arrays));
   }

@@ -82,6 +82,7 @@ TEST(Verify, ScansMayBeEmpty) {
   Scan empty;
   empty.rings = 4;
   empty.columns = 16;
+  empty.columnsIfEmpty = columnsOf(testScan(manifest.sensors[0].beams, 0));
   Sample sample{{.key = "night-0", .split = "train", .scans = {testRecord(manifest.sensors[0], empty, 0)}}, {}};
   for (const FormatRecord& f : manifest.formats) {
     sample.files.push_back({memberSuffix(sample.scans[0], f.suffix), encode(f.name, empty)});
@@ -90,6 +91,8 @@ TEST(Verify, ScansMayBeEmpty) {
   writer.add(sample);
   writer.finish(manifest);
   EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty());
+  empty.columnsIfEmpty = {};
+  EXPECT_THAT(checkScan(empty, sample.scans[0], manifest, 0), Contains(HasSubstr("the scan has no column label")));
 }
 
 // Whatever byte of a member changes, the member is named, and so its sample.

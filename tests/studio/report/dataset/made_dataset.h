@@ -40,6 +40,7 @@ inline Scan madeScan(const BeamTable& beams, const std::vector<MadePoint>& point
   Scan scan;
   scan.rings = beams.rings;
   scan.columns = beams.columns;
+  scan.columnsIfEmpty = ColumnSet(kIntensity, kLabel, kInstance, kRing);
   for (const MadePoint& p : points) {
     scan.position.push_back(p.at);
     scan[kLabel].push_back(p.label);
