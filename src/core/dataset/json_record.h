@@ -81,11 +81,6 @@ class RecordKeys {
           if (node.text() != text) node.fail("is not '{}'", text);
         });
   }
-  // Describes a key of earlier versions: a record may have it, but it is neither written nor read.
-  void former(const char* key) {
-    customOptional(
-        key, [] { return kAbsent; }, [](const JsonNode&) {});
-  }
   // Describes a required key. write() returns the value as JSON (kAbsent: not written), read(node) reads the value.
   template <class Write, class Read>
   void custom(const char* key, const Write& write, const Read& read) {
@@ -259,8 +254,6 @@ void describe(RecordKeys& keys, SampleRecord& sample);
 
 // Describes a key whose value is the name of the class `id`. The key is left out if the context has no ontology.
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id);
-// Reads the list of modelled features. If `mayBeLines` is true, items may also be texts, as earlier versions wrote.
-void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items);
 // Returns the JSON of the random values of a sample; kAbsent if it has none.
 OrderedJson drawsJson(const SampleRecord& sample);
 

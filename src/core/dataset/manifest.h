@@ -89,8 +89,8 @@ struct SampleRecord {
   std::uint32_t shard = 0;  // index into Manifest::shards
   std::vector<ScanRecord> scans = {};
   std::vector<std::string> members = {};  // names of the members in the shard, in order
-  std::vector<std::string> xxh3 = {};     // hash of each member's bytes; empty in manifests of earlier versions
-  // Returns the hash of the member's bytes; empty if the manifest does not state it.
+  std::vector<std::string> xxh3 = {};     // hash of each member's bytes
+  // Returns the hash of the member's bytes; empty if the record does not list the member.
   std::string xxh3Of(const std::string& member) const;
   // Counts of the objects in the member `<key>.objects.json`, by class; nothing if the pipeline does not ask for
   // objects.
@@ -136,7 +136,7 @@ struct Manifest {
   std::map<std::string, std::string> about;  // texts of the pipeline's key `about`, by their keys
   std::string pipelineText;                  // text of the pipeline, with the overrides of --set appended as comments
   std::string pipelineSha256;
-  std::string planSha256;  // see datasetPlan(); empty in manifests of earlier versions
+  std::string planSha256;  // see datasetPlan()
   std::uint64_t seed = 0;
   bool organised = false;
   bool deskewed = false;
@@ -144,9 +144,9 @@ struct Manifest {
   std::vector<FormatRecord> formats;
   Ontology ontology;
   std::vector<SensorRecord> sensors;
-  std::vector<SequenceRecord> sequences;  // empty in manifests of earlier versions
-  // Files that the scenes and trajectories were read from, sorted; empty in manifests of earlier versions. A file has
-  // several entries if it changed while the dataset was made, and the user allowed the change.
+  std::vector<SequenceRecord> sequences;
+  // Files that the scenes and trajectories were read from, sorted. A file has several entries if it changed while the
+  // dataset was made, and the user allowed the change.
   std::vector<FileRecord> files;
   std::vector<ModelledItem> modelled;  // features that are modelled or left out
   std::vector<ShardRecord> shards;

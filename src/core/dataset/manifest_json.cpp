@@ -151,8 +151,8 @@ OrderedJson sampleObject(const SampleRecord& sample) {
   return json;
 }
 
-// Throws InputError unless the JSON is a manifest that this program wrote, in a version that it can read. `root`: node
-// of `json`.
+// Throws InputError unless the JSON is a manifest that this program wrote, in the present version. `root`: node of
+// `json`.
 void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
   const bool isManifest = json.is_object() && json.contains("schema_version") &&
                           json["schema_version"].is_number_integer() && json.contains("program") &&
@@ -161,17 +161,20 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
   const JsonNode version = root["schema_version"];
   const std::int64_t number = json["schema_version"].get<std::int64_t>();
   if (number > Manifest::kSchemaVersion) {
-    version.fail("{} is newer than this program, which reads up to {}: update scanmill", number,
-                 Manifest::kSchemaVersion);
+    version.fail("{} is newer than this program, which reads {}: update scanmill", number, Manifest::kSchemaVersion);
   }
-  if (number < 1) version.fail("{} is not a version: the first version is 1", number);
+  if (number < Manifest::kSchemaVersion) {
+    version.fail(
+        "{} is older than this program, which reads {}: make the dataset again with `scanmill generate PIPELINE -o "
+        "FOLDER`, in a new folder",
+        number, Manifest::kSchemaVersion);
+  }
 }
 
 }  // namespace
 
 // Describes the keys of the manifest. In writing, `samples` is null: toJson() replaces it by the samples. In reading,
-// the order of the keys matters: `modelled` needs the version; `samples` needs the ontology, the sensors and the
-// shards.
+// the order of the keys matters: `samples` needs the ontology, the sensors and the shards.
 static void describe(RecordKeys& keys, Manifest& m) {
   int version = Manifest::kSchemaVersion;
   keys("schema_version", version);
@@ -203,11 +206,9 @@ static void describe(RecordKeys& keys, Manifest& m) {
   keys("formats", m.formats);
   keys("ontology", m.ontology);
   keys("sensors", m.sensors);
-  keys.mayBeMissing("sequences", m.sequences);
-  keys.custom(
-      "modelled", [&] { return jsonOf(m.modelled, "modelled"); },
-      [&](const JsonNode& list) { readModelled(list, version < 3, m.modelled); });
-  keys.mayBeMissing("files", m.files);
+  keys("sequences", m.sequences);
+  keys("modelled", m.modelled);
+  keys("files", m.files);
   keys("shards", m.shards);
   keys.custom(
       "samples", [] { return OrderedJson(); },
@@ -221,12 +222,9 @@ static void describe(RecordKeys& keys, Manifest& m) {
         about.keys({}, {"description", "license", "creator", "url", "citation"});
         about.forEachEntry([&](const std::string& key, const JsonNode& text) { m.about.emplace(key, text.text()); });
       });
-  keys.optional("plan_sha256", m.planSha256, kSha256Digits);
-  keys.customOptional(
+  keys("plan_sha256", m.planSha256, kSha256Digits);
+  keys.custom(
       "digest", [] { return OrderedJson(kNoDigest); }, kSha256Digits);
-  // Manifests of earlier versions may state how the method was chosen, and how long each stage took.
-  keys.former("method_choice");
-  keys.former("stages");
 }
 
 std::string toJson(const Manifest& manifest) {
@@ -266,9 +264,6 @@ Manifest parseManifest(const std::string& text, const std::string& file) {
   checkVersion(root, json, file);
   Manifest manifest;
   readJson(root, manifest);
-  for (const char* const key : {"sequences", "files"}) {  // since version 3
-    if (root["schema_version"].integer<int>() >= 3 && !root.has(key)) root.fail("key '{}' is missing", key);
-  }
   return manifest;
 }
 

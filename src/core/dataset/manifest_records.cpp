@@ -47,18 +47,6 @@ void describe(RecordKeys& keys, ModelledItem& item) {
 
 namespace {
 
-// Parses a line that an earlier version wrote. "TOPIC: left out, TEXT" and "TOPIC: left out TEXT" state what is left
-// out; every other line states what is modelled.
-ModelledItem itemOfLine(const std::string& line) {
-  constexpr std::string_view kLeftOut = ": left out";
-  const std::size_t colon = line.find(kLeftOut);
-  if (colon == std::string::npos) return {.topic = "", .text = line};
-  std::string text = line.substr(colon + kLeftOut.size());
-  if (!text.empty() && !text.starts_with(' ') && !text.starts_with(", ")) return {.topic = "", .text = line};
-  text.erase(0, text.find_first_not_of(", "));
-  return {.topic = line.substr(0, colon), .text = text, .leftOut = true};
-}
-
 OrderedJson reasonsJson(const ScanRecord& scan) {
   OrderedJson json = OrderedJson::object();
   for (const auto& [reason, beams] : scan.beamsPerReason) {
@@ -84,17 +72,6 @@ ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
 }
 
 }  // namespace
-
-void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items) {
-  list.forEach([&](const JsonNode& node) {
-    items.emplace_back();
-    if (mayBeLines && node.isText()) {
-      items.back() = itemOfLine(node.text());
-    } else {
-      readJson(node, items.back());
-    }
-  });
-}
 
 static void describe(RecordKeys& keys, SemanticClass& semantic) {
   keys("id", semantic.id);
@@ -292,7 +269,7 @@ void describe(RecordKeys& keys, SampleRecord& s) {
       item.fail("'{}' does not start with the sample's key '{}'", item.text(), s.key);
     });
   });
-  keys.optional("xxh3", s.xxh3, [&](const JsonNode& node) {
+  keys("xxh3", s.xxh3, [&](const JsonNode& node) {
     node.forEach(kXxh3Digits);
     if (s.xxh3.size() != s.members.size()) {
       node.fail("has {} entries for {} members", s.xxh3.size(), s.members.size());

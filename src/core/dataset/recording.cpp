@@ -176,9 +176,7 @@ static void describe(RecordKeys& keys, Recording& r) {
     if (names.empty()) node.fail("is empty: nothing was recorded");
   });
   keys.mayBeMissing("materials", r.materials);
-  keys.customOptional(
-      "modelled", [&] { return jsonOf(r.modelled, "modelled"); },
-      [&](const JsonNode& node) { readModelled(node, true, r.modelled); });
+  keys.mayBeMissing("modelled", r.modelled);
 }
 
 // Describes a step. Other programs may leave out world_from_rig: the step then gets the first pose of its shot.

@@ -13,9 +13,8 @@ std::string lineOf(const ModelledItem& item) {
   const std::string sensor = item.sensor.empty() ? "" : fmt::format(" of '{}'", item.sensor);
   const char* const gap = item.text.empty() ? "" : item.text.starts_with('(') ? " " : ", ";
   const std::string parts = item.parts == 0 ? "" : fmt::format(" ({} in a scene)", item.parts);
-  return fmt::format("{}{}{}{}{}{}{}", item.topic, sensor, item.options.empty() ? "" : " " + item.options,
-                     item.topic.empty() ? "" : ": ", item.leftOut ? std::string("left out") + gap : "", item.text,
-                     parts);
+  return fmt::format("{}{}{}: {}{}{}", item.topic, sensor, item.options.empty() ? "" : " " + item.options,
+                     item.leftOut ? std::string("left out") + gap : "", item.text, parts);
 }
 
 namespace {

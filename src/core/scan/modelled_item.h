@@ -12,7 +12,7 @@
 namespace scanmill {
 
 struct ModelledItem {
-  std::string topic;  // "geometry", "effect speckle"; empty in datasets of earlier versions
+  std::string topic;  // "geometry", "effect speckle"
   std::string text;   // how it is modelled, or why it is left out; without counts that differ between scenes
   bool leftOut = false;
   std::string sensor = {};               // name of the sensor that the item is about; empty: all sensors

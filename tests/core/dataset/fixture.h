@@ -54,6 +54,7 @@ inline Manifest testManifest() {
   m.name = "small";
   m.pipelineText = "name: small\n# a tab\tand a quote \"\nseed: 18446744073709551615\n";
   m.pipelineSha256 = sha256(m.pipelineText);
+  m.planSha256 = sha256("plan");
   m.seed = 18446744073709551615u;
   m.columns = {"x", "y", "z", "intensity", "label", "instance", "ring", "column", "time", "range_true"};
   m.formats = {{"pcd", "pcd", 0}, {"csv", "csv", 0}};
@@ -243,6 +244,7 @@ inline Manifest filledManifest() {
     const Sample sample = testSample(m, i, "street-1-drive-00000" + std::to_string(i), i == 0 ? "train" : "val");
     SampleRecord record{sample.key, sample.split, i, sample.scans, {sample.key + ".json"}};
     for (const Member& member : sample.files) record.members.push_back(sample.key + "." + member.suffix);
+    for (const std::string& member : record.members) record.xxh3.push_back(xxh3(member));
     m.samples.push_back(record);
   }
   return m;

@@ -40,7 +40,6 @@ Manifest readBack(const Manifest& manifest) {
 // Keys that are left out where they say nothing new.
 Manifest manifestWithAllKeys() {
   Manifest m = filledManifest();
-  m.planSha256 = sha256("plan");
   m.sensors[0].intensityFullScale = 255;
   m.sensors[1].vehicleFromSensor.reset();
   for (SampleRecord& sample : m.samples) sample.scans[1].vehicleFromSensor = Pose{{}, {1, 2, 3}};
@@ -136,7 +135,7 @@ TEST(Manifest, RefusesEveryMissingKey) {
     const std::string path = place.to_string();
     const std::string top = path.substr(0, 8);
     const bool optional = place.back() == "aliases" || place.back() == "origin_left" || place.back() == "origin_up" ||
-                          place.back() == "digest" || path.starts_with("/about") || place.back() == "scene_file" ||
+                          path.starts_with("/about") || place.back() == "scene_file" ||
                           (path.starts_with("/modelled/") && (place.back() == "sensor" || place.back() == "options" ||
                                                               place.back() == "scenes" || place.back() == "parts")) ||
                           (path.starts_with("/sequences/") && place.back() == "vehicle");
@@ -151,27 +150,6 @@ TEST(Manifest, RefusesEveryMissingKey) {
     ++tried;
   }
   EXPECT_GT(tried, 150);
-}
-
-// Datasets of earlier versions state what is modelled as lines, random values as texts, and neither sequences nor
-// files.
-TEST(Manifest, ReadsEarlierVersions) {
-  OrderedJson json = OrderedJson::parse(toJson(filledManifest()));
-  json["schema_version"] = 1;
-  json["method_choice"] = {{"setting", "ray_tracing"}, {"assignment", "method=ray_tracing"}, {"why", "fast"}};
-  json["modelled"] = {"effect speckle {looks: 3}: random echoes", "voxels: left out",
-                      "voxels: left out (`output.voxels: true` adds them)", "light: left out, so that glass is opaque"};
-  json["samples"][0]["draws"] = {{"effects.0", "{weather: {kind: fog}}"}, {"sensors.0.mount.position.2", "1.25"}};
-  json.erase("sequences");
-  json.erase("files");
-  const Manifest read = parseManifest(json.dump(), "manifest.json");
-  for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(lineOf(read.modelled.at(i)), json["modelled"][i].get<std::string>());
-    EXPECT_EQ(read.modelled[i].leftOut, i > 0);
-  }
-  EXPECT_EQ(OrderedJson::parse(sampleJson(read.samples[0]))["draws"], json["samples"][0]["draws"])
-      << "as its member has it";
-  EXPECT_EQ(read.sequenceOf(read.samples[0].key), nullptr);
 }
 
 TEST(Manifest, RefusesEveryUnknownKey) {
@@ -225,8 +203,9 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
       {"/shards/0/file", "val/val-000000.tar", "is not a shard of the split 'train'"},
       {"/shards/0/sha256", "abc", "not a SHA-256"},
       {"/units/length", "feet", "is not 'metres'"},
-      {"/schema_version", 4, "newer than this program, which reads up to 3: update scanmill"},
-      {"/schema_version", 0, "not a version"},
+      {"/schema_version", 4, "newer than this program, which reads 3: update scanmill"},
+      {"/schema_version", 2,
+       "/schema_version: 2 is older than this program, which reads 3: make the dataset again with `scanmill generate"},
       {"/program/name", "other", "is not a manifest of scanmill"},
   };
   for (const auto& [place, value, expected] : damages) {

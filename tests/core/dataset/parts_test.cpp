@@ -20,7 +20,8 @@ DatasetPart part(const std::string& file, const std::vector<std::uint64_t>& numb
                                      made.manifest.shards[0].split,
                                      0,
                                      {},
-                                     {"k-" + std::to_string(number) + ".json"}});
+                                     {"k-" + std::to_string(number) + ".json"},
+                                     {xxh3(std::to_string(number))}});
   }
   made.manifest.modelled = {{"in", file, false, "", "", {file}}, {"of", "all scenes", false, "", "", {file}}};
   return made;

@@ -167,7 +167,7 @@ TEST_F(VerifyTest, FindsAnyChangeOfTheManifest) {
               ElementsAre(HasSubstr("its digest is")));
   std::string without = sound;
   without.erase(without.rfind(','), 79);
-  EXPECT_THAT(found(without), ElementsAre(HasSubstr("has no digest")));
+  EXPECT_THAT(found(without), ElementsAre(HasSubstr("key 'digest' is missing")));
 }
 
 TEST_F(VerifyTest, FindsMissingAndTruncatedShards) {

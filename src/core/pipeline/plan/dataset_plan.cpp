@@ -26,8 +26,7 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
                      difference, manifest.programVersion);
   };
   const std::vector<ShardJob> jobs = shardJobs(plan);
-  if (manifest.programVersion == kVersion && !manifest.planSha256.empty() &&
-      datasetPlan(plan, jobs).hash != manifest.planSha256) {
+  if (manifest.programVersion == kVersion && datasetPlan(plan, jobs).hash != manifest.planSha256) {
     refuse("other samples");
   }
   if (jobs.size() != manifest.shards.size()) refuse(fmt::format("{} shards", jobs.size()));

@@ -51,7 +51,7 @@ struct SensorSummary {
 
 struct SequenceSummary {
   std::string name;                     // first part of the samples' keys: scene, seed and trajectory
-  std::string scene, seed, trajectory;  // empty in datasets of earlier versions
+  std::string scene, seed, trajectory;  // empty if the manifest does not list the sequence
   std::string split;                    // names of the splits that have samples of the sequence, such as "train, val"
   std::uint64_t samples = 0, scans = 0, points = 0;
   double seconds = 0;  // time from the first to the last scan of the sequence (s)
