@@ -1,7 +1,7 @@
 # The Python package as it is imported from the build: the extension, and links to the files of src/python/scanmill.
 
 set(package_folder ${PROJECT_BINARY_DIR}/python/scanmill)
-pybind11_add_module(scanmill_python MODULE NO_EXTRAS src/python/bindings.cpp
+pybind11_add_module(scanmill_python MODULE NO_EXTRAS src/python/bindings.cpp src/python/jobs.cpp
                     src/python/pass_recorder.cpp src/python/simulator.cpp)
 target_link_libraries(scanmill_python PRIVATE ${core_libraries} nlohmann_json::nlohmann_json)
 target_include_directories(scanmill_python PRIVATE ${PROJECT_SOURCE_DIR}/src)

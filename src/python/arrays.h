@@ -21,6 +21,7 @@ namespace scanmill {
 
 // Functions that add a class to the extension module: PassRecorder writes images of depth cameras as a recording of
 // passes; Simulator makes scans (simulator.cpp).
+void defineJobs(pybind11::module_& module);
 void definePassRecorder(pybind11::module_& module);
 void defineSimulator(pybind11::module_& module);
 

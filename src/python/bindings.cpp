@@ -223,6 +223,7 @@ PYBIND11_MODULE(_core, module) {
     }
   });
   defineStore(module);
+  defineJobs(module);
   defineSimulator(module);
   definePassRecorder(module);
   module.def(

@@ -20,6 +20,7 @@ from ._core import Error, InputError, __version__, resource_folder, set_input_li
 from .batch import pad_batch
 from .dataset import Dataset, Sample, decode, open_dataset as open
 from .geometry import points_in_box, pose_matrix
+from .make import export, generate, plan, verify
 from .objects import Objects
 from .ontology import Ontology
 from .passes import PassWriter
@@ -45,9 +46,12 @@ __all__ = [
     "__version__",
     "beam_projection",
     "decode",
+    "export",
+    "generate",
     "load_scene",
     "open",
     "pad_batch",
+    "plan",
     "points_in_box",
     "pose_matrix",
     "range_image",
@@ -55,4 +59,5 @@ __all__ = [
     "sensor",
     "set_input_limit",
     "spherical_projection",
+    "verify",
 ]

@@ -54,6 +54,29 @@ class Simulator:
         moving: bool,
     ) -> list[dict[str, NDArray[np.generic]]]: ...
 
+class Job:
+    def wait(self, seconds: float) -> bool: ...
+    def result(self) -> list[str]: ...
+    def stop(self) -> None: ...
+    @property
+    def progress(self) -> tuple[str, int, int]: ...  # stage, done, all
+
+def generate(
+    pipeline: str,
+    is_text: bool,
+    overrides: list[str],
+    here: str,
+    folder: str,
+    overwrite: bool,
+    resume: bool,
+    threads: int,
+) -> Job: ...
+def export(
+    dataset: str, layout: str, folder: str, classes: str, sensors: list[str], splits: list[str], overwrite: bool
+) -> Job: ...
+def verify(dataset: str) -> Job: ...
+def plan(pipeline: str, is_text: bool, overrides: list[str], here: str) -> str: ...
+
 class PassRecorder:
     def __init__(self, folder: str, name: str, sensor: str, here: str, scene: str) -> None: ...
     def image(

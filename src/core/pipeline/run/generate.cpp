@@ -115,7 +115,7 @@ class DatasetRun {
       const std::scoped_lock lock(mutex_);
       count(complete->manifest);
       ++summary_.resumedShards;
-      progress_.advance(shard.samples.size(), static_cast<double>(shard.samples.size()) * raysPerSample_);
+      advance(shard.samples.size());
       return 0;
     }
     if (shared() && claim == nullptr) {
@@ -157,7 +157,7 @@ class DatasetRun {
       expectOneVersion(made->scene->files);
     }
     const std::scoped_lock lock(mutex_);
-    progress_.advance(1, raysPerSample_);
+    advance(1);
   }
 
   void close(std::size_t job) {
@@ -193,6 +193,12 @@ class DatasetRun {
     throw InputError({fileOfSavedPath(changed, pipeline_.file.parent_path()).string()},
                      "changed while the dataset was made: start again with --overwrite, or complete the dataset by "
                      "--resume=anyway");
+  }
+
+  // Counts samples that are done. mutex_ must be locked.
+  void advance(std::size_t samples) {
+    progress_.advance(samples, static_cast<double>(samples) * raysPerSample_);
+    if (options_.progress) options_.progress(progress_.done(), progress_.total());
   }
 
   bool shared() const { return options_.shards.kind != ShardChoice::Kind::All; }

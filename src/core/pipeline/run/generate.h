@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -41,6 +42,9 @@ struct GenerateOptions {
   bool anyFiles = false;             // keeps complete shards although files that they were made from have changed
   ShardChoice shards{};              // the shards that this process makes
   bool quiet = false;
+  // Called when samples are made, or are found complete: their number, and that of all samples of this process. Calls
+  // do not overlap. Empty: nothing is called.
+  std::function<void(std::uint64_t done, std::uint64_t all)> progress{};
   // A flag that a signal handler sets; once the flag is true, generate() throws Error. Null: there is no flag.
   const std::atomic<bool>* stop = nullptr;
 

@@ -23,6 +23,8 @@ class Progress {
   // otherwise as a line at most every few seconds.
   void say(const std::string& stage);
   double seconds() const { return timer_.seconds(); }
+  std::uint64_t done() const { return done_; }
+  std::uint64_t total() const { return total_; }
 
  private:
   // Shows the count and the estimated time left, or, at the end of the work, the time that it took.
