@@ -10,9 +10,7 @@
 # differences of less than five points may be chance. [Training](../training.md) trains a larger network on 384 scans,
 # and measures each effect with several seeds.
 # %%
-import subprocess
 from itertools import chain, islice, repeat
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -29,36 +27,35 @@ torch.set_num_threads(1)  # enough for so small a network, and the same result o
 # %% [markdown]
 # ## Seven datasets of one pipeline
 #
-# The sensor is a PandarXT-32 with a quarter of its columns, so that a scan is an image of 32 x 512 pixels. `--set`
-# changes one key at a time: the towns, the effects, the sensor. The shortcut has exact ranges, and intensities as the
-# sensor's file has them; nothing is lost, mixed or noisy.
+# The sensor is a PandarXT-32 with a quarter of its columns, so that a scan is an image of 32 x 512 pixels. Keys of the
+# pipeline change one at a time: the towns, the effects, the sensor. The shortcut has exact ranges, and intensities as
+# the sensor's file has them; nothing is lost, mixed or noisy.
 # %%
-Path("drive.yaml").write_text("""
-scenes: [{scene: town, seeds: [1, ..., 12]}]
-trajectories: [{name: drive, along: lane, speed: 8, every_m: 30, frames: 6}]
-sensors: [{name: top, preset: pandar_xt_32, columns: 512, mount: {position: [0, 0, 1.8]}}]
-method: ray_tracing
-effects: [sensor, reflectance_variation]
-output: {columns: [intensity, label, ring, column], formats: [pcd]}
-""")
+drive = {
+    "scenes": [{"scene": "town", "seeds": [*range(1, 13)]}],
+    "trajectories": [{"name": "drive", "along": "lane", "speed": 8, "every_m": 30, "frames": 6}],
+    "sensors": [{"name": "top", "preset": "pandar_xt_32", "columns": 512, "mount": {"position": [0, 0, 1.8]}}],
+    "method": "ray_tracing",
+    "effects": ["sensor", "reflectance_variation"],
+    "output": {"columns": ["intensity", "label", "ring", "column"], "formats": ["pcd"]},
+}
 
 
-def generate(name, *changes):
-    options = [word for change in changes for word in ("--set", change)]
-    subprocess.run(["scanmill", "generate", "drive.yaml", "-o", name, *options], check=True, capture_output=True)
+def generate(name, keys):
+    scanmill.generate(drive, name, set=keys, quiet=True)
 
 
-clean = "effects=[intensity: {model: reflectivity, diffuse: oren_nayar, output: u8, gain: 0.392157}]"
-generate("realistic")
-generate("shortcut", clean)
+exact = {"intensity": {"model": "reflectivity", "diffuse": "oren_nayar", "output": "u8", "gain": 0.392157}}
+generate("realistic", {})
+generate("shortcut", {"effects": [exact]})
 
-others = "scenes.0.seeds=[21, ..., 24]"  # towns that no network is trained on
-rain = "effects=[sensor, reflectance_variation, {weather: {kind: rain, severity: heavy}}]"
-generate("without noise", others, clean)
-generate("wide beams", others, clean.replace("[", "[{footprint: {rays: 7}}, ", 1))
+others = {"scenes.0.seeds": [21, 22, 23, 24]}  # towns that no network is trained on
+rain = ["sensor", "reflectance_variation", {"weather": {"kind": "rain", "severity": "heavy"}}]
+generate("without noise", {**others, "effects": [exact]})
+generate("wide beams", {**others, "effects": [{"footprint": {"rays": 7}}, exact]})
 generate("with noise", others)
-generate("in rain", others, rain)
-generate("other sensor", others, "sensors.0.preset=hdl_32e")
+generate("in rain", {**others, "effects": rain})
+generate("other sensor", {**others, "sensors.0.preset": "hdl_32e"})
 
 # %% [markdown]
 # ## Images and classes
@@ -223,11 +220,17 @@ plt.show()
 # the village, and all three learn in as many steps. In `both` the labelled scans have the weight 4, `repeat` of
 # `ScanDataset`: they are 80 of the 152 scans of an epoch.
 # %%
-village = ["seed=7", "sensors.0.mount={position: [0, 0, 2], pitch_deg: 1}"]  # another unit in another mount
-labelled = "trajectories=[{name: mill_road, along: lane, speed: 8, every_m: 12, frames: 20}]"
-other = "trajectories=[{name: church_lane, on: [road], from: [39, -70], to: [58, 130], speed: 8, every_m: 10, frames: 20}]"
-generate("labelled", "scenes=[{scene: village, seeds: [1]}]", labelled, *village)
-generate("other road", "scenes=[{scene: village, seeds: [2]}]", other, *village)
+def generate_village(name, seed, trajectory):
+    """Another unit of the sensor, in another mount."""
+    mount = {"position": [0, 0, 2], "pitch_deg": 1}
+    place = {"scenes": [{"scene": "village", "seeds": [seed]}], "trajectories": [trajectory]}
+    generate(name, {"seed": 7, "sensors.0.mount": mount, **place})
+
+
+driven = {"along": "lane", "speed": 8, "every_m": 12, "frames": 20}
+generate_village("labelled", 1, {"name": "mill_road", **driven})
+on_it = {"name": "church_lane", "on": ["road"], "from": [39, -70], "to": [58, 130]}
+generate_village("other road", 2, {**on_it, "speed": 8, "every_m": 10, "frames": 20})
 
 learned = {
     "towns alone": trained["realistic"][0],
