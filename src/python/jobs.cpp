@@ -5,15 +5,14 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <exception>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -35,43 +34,26 @@ namespace {
 
 class Job {
  public:
-  // Returns lines for the caller: warnings or problems.
-  using Work = std::function<std::vector<std::string>(Job&)>;
+  using Lines = std::vector<std::string>;  // for the caller: warnings or problems
 
-  explicit Job(Work work)
-      : thread_([this, work = std::move(work)] {
-          try {
-            lines_ = work(*this);
-          } catch (...) {
-            thrown_ = std::current_exception();
-          }
-          const std::scoped_lock lock(mutex_);
-          ended_ = true;
-          changed_.notify_all();
-        }) {}
-
+  explicit Job(std::function<Lines(Job&)> work)
+      : lines_(std::async(std::launch::async, [this, work = std::move(work)] { return work(*this); })) {}
   ~Job() {
     stop();
     const py::gil_scoped_release released;
-    if (thread_.joinable()) thread_.join();
+    lines_.wait();
   }
   Job& operator=(Job&&) = delete;  // neither copied nor moved
 
   // Waits until the work has ended, `seconds` at most. Returns true if it has ended.
-  bool wait(double seconds) {
+  bool wait(double seconds) const {
     const py::gil_scoped_release released;
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return ended_; });
+    return lines_.wait_for(std::chrono::duration<double>(seconds)) == std::future_status::ready;
   }
-
   // Waits for the end of the work. Returns its lines, or throws what it has thrown.
-  std::vector<std::string> result() {
-    {
-      const py::gil_scoped_release released;
-      if (thread_.joinable()) thread_.join();
-    }
-    if (thrown_) std::rethrow_exception(thrown_);
-    return lines_;
+  Lines result() const {
+    const py::gil_scoped_release released;
+    return lines_.get();
   }
 
   void stop() { stopped_ = true; }
@@ -89,13 +71,9 @@ class Job {
 
  private:
   std::atomic<bool> stopped_ = false;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool ended_ = false;
+  std::mutex mutex_;  // guards progress_
   std::tuple<std::string, std::uint64_t, std::uint64_t> progress_;
-  std::vector<std::string> lines_;
-  std::exception_ptr thrown_;
-  std::thread thread_;  // last: it uses the members above
+  std::shared_future<Lines> lines_;  // last: its thread uses the members above
 };
 
 // Reads a pipeline: by the path of a file, by the name of one that comes with the program, or from a text, whose
@@ -116,7 +94,7 @@ Pipeline pipelineOf(const std::string& pipeline, bool isText, const std::vector<
 std::unique_ptr<Job> startGenerate(const std::string& pipeline, bool isText, const std::vector<std::string>& overrides,
                                    const std::string& here, const std::string& folder, bool overwrite, bool resume,
                                    int threads) {
-  return std::make_unique<Job>([=](Job& job) -> std::vector<std::string> {
+  return std::make_unique<Job>([=](Job& job) -> Job::Lines {
     std::optional<ThreadLimit> limit;
     if (threads > 0) limit.emplace(threads);
     const Plan plan = makePlan(pipelineOf(pipeline, isText, overrides, here));
@@ -175,9 +153,10 @@ std::string planJson(const std::string& pipeline, bool isText, const std::vector
   const py::gil_scoped_release released;
   const Plan plan = makePlan(pipelineOf(pipeline, isText, overrides, here));
   using Json = nlohmann::ordered_json;
-  Json json{{"samples", plan.pipeline.frames()}, {"rays", plan.pipeline.rays()}, {"shards", Json::object()}};
+  Json json{{"samples", plan.pipeline.frames()}, {"rays", static_cast<std::uint64_t>(plan.pipeline.rays())},
+            {"shards", Json::object()},          {"sequences", Json::array()},
+            {"modelled", Json::array()},         {"left_out", Json::array()}};
   for (const DatasetPlan::Split& split : splitsOf(shardJobs(plan))) json["shards"][split.name] = split.shards;
-  json["sequences"] = Json::array();
   for (const Sequence& s : plan.pipeline.sequences) json["sequences"].push_back(s.key());
   for (const ModelledItem& item : modelled(plan, ShotSource(plan).blockedShares())) {
     json[item.leftOut ? "left_out" : "modelled"].push_back(lineOf(item));
