@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
 #include "config/resources.h"
@@ -34,26 +36,32 @@ namespace {
 
 class Job {
  public:
-  using Lines = std::vector<std::string>;  // for the caller: warnings or problems
+  using Lines = std::vector<std::string>;
 
   explicit Job(std::function<Lines(Job&)> work)
-      : lines_(std::async(std::launch::async, [this, work = std::move(work)] { return work(*this); })) {}
+      : ended_(std::async(std::launch::async, [this, work = std::move(work)] {
+          const WarningReceiver receiver([&](const std::string& line) {
+            const std::scoped_lock lock(mutex_);
+            if (std::ranges::find(warnings_, line) == warnings_.end()) warnings_.push_back(line);
+          });
+          return work(*this);
+        })) {}
   ~Job() {
     stop();
     const py::gil_scoped_release released;
-    lines_.wait();
+    ended_.wait();
   }
   Job& operator=(Job&&) = delete;  // neither copied nor moved
 
   // Waits until the work has ended, `seconds` at most. Returns true if it has ended.
   bool wait(double seconds) const {
     const py::gil_scoped_release released;
-    return lines_.wait_for(std::chrono::duration<double>(seconds)) == std::future_status::ready;
+    return ended_.wait_for(std::chrono::duration<double>(seconds)) == std::future_status::ready;
   }
-  // Waits for the end of the work. Returns its lines, or throws what it has thrown.
+  // Waits for the end of the work. Returns the problems that it has found, or throws what it has thrown.
   Lines result() const {
     const py::gil_scoped_release released;
-    return lines_.get();
+    return ended_.get();
   }
 
   void stop() { stopped_ = true; }
@@ -68,12 +76,17 @@ class Job {
     const std::scoped_lock lock(mutex_);
     return progress_;
   }
+  Lines warnings() {
+    const std::scoped_lock lock(mutex_);
+    return warnings_;
+  }
 
  private:
   std::atomic<bool> stopped_ = false;
-  std::mutex mutex_;  // guards progress_
+  std::mutex mutex_;  // guards the next two
   std::tuple<std::string, std::uint64_t, std::uint64_t> progress_;
-  std::shared_future<Lines> lines_;  // last: its thread uses the members above
+  Lines warnings_;
+  std::shared_future<Lines> ended_;  // last: its thread uses the members above
 };
 
 // Reads a pipeline: by the path of a file, by the name of one that comes with the program, or from a text, whose
@@ -104,13 +117,15 @@ std::unique_ptr<Job> startGenerate(const std::string& pipeline, bool isText, con
         return {};
       }
     }
-    return generate(plan, {.folder = folder,
-                           .overwrite = overwrite,
-                           .resume = resume,
-                           .quiet = true,
-                           .progress = [&](std::uint64_t done, std::uint64_t all) { job.report("frames", done, all); },
-                           .stop = &job.stopped()})
-        .warnings;
+    const GenerateSummary made =
+        generate(plan, {.folder = folder,
+                        .overwrite = overwrite,
+                        .resume = resume,
+                        .quiet = true,
+                        .progress = [&](std::uint64_t done, std::uint64_t all) { job.report("frames", done, all); },
+                        .stop = &job.stopped()});
+    for (const std::string& line : made.warnings) warn(line);
+    return {};
   });
 }
 
@@ -131,7 +146,8 @@ std::unique_ptr<Job> startExport(const std::string& dataset, const std::string& 
     options.progress = [&](const char* stage, std::uint64_t done, std::uint64_t all) {
       job.report(fmt::format("frames, {}", stage), done, all);
     };
-    return exportDataset(options).warnings;
+    for (const std::string& line : exportDataset(options).warnings) warn(line);
+    return Job::Lines();
   });
 }
 
@@ -171,7 +187,8 @@ void defineJobs(py::module_& module) {
       .def("wait", &Job::wait)
       .def("result", &Job::result)
       .def("stop", &Job::stop)
-      .def_property_readonly("progress", &Job::progress);
+      .def_property_readonly("progress", &Job::progress)
+      .def_property_readonly("warnings", &Job::warnings);
   module.def("generate", &startGenerate);
   module.def("export", &startExport);
   module.def("verify", &startVerify);

@@ -21,16 +21,7 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-class FirstSteps : public SmallWorld {
- protected:
-  // The pipeline, with one of its texts changed.
-  std::string changed(const std::string& from, const std::string& to) const {
-    std::string text = readFile(pipeline_);
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return folder_.write("changed.yaml", text.replace(at, from.size(), to)).string();
-  }
-};
+class FirstSteps : public SmallWorld {};
 
 TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
   const std::string sensor = "sensors=[{preset: os1_128}]";
@@ -62,14 +53,6 @@ TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
   const Outcome y = scanmill({"info", at("shed.obj"), "--unit", "0.01", "--up", "y"});
   EXPECT_THAT(y.out,
               AllOf(HasSubstr("from [0, -2.5, 0] to [4, 0, 0.01]"), HasSubstr("unit: 0.01"), HasSubstr("up: y")));
-}
-
-TEST_F(FirstSteps, InfoOfAnAssetOfManyPartsSumsThemUp) {
-  std::string obj = "v 0 0 0\nv 1 0 0\nv 0 0 1\n";
-  for (int i = 0; i < 50; ++i) obj += fmt::format("o part{0}\nusemtl m{1}\nf 1 2 3\n", i, i % 2);
-  folder_.write("many.obj", obj + "f 1 3 2\n");
-  EXPECT_THAT(scanmill({"info", at("many.obj")}).out,
-              AllOf(ContainsRegex("part49 +m1 +1 x 0 x 1 m +0 +2\n"), ContainsRegex("m1 +26 +25\n +m0 +25 +25\n")));
 }
 
 // The keys that a reader of options asks for, from its own refusal of another.

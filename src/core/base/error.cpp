@@ -7,6 +7,7 @@
 #include <new>
 #include <set>
 #include <string_view>
+#include <vector>
 
 #include "base/terminal.h"
 
@@ -15,6 +16,7 @@ namespace scanmill {
 namespace {
 
 std::mutex warningMutex;
+std::vector<const WarningReceiver*> warningReceivers;
 
 std::set<std::string>& warnings() {
   static std::set<std::string> seen;
@@ -45,9 +47,21 @@ std::string reasonOf(const std::exception& error) {
 
 void warn(const std::string& message) {
   const std::scoped_lock lock(warningMutex);
-  if (!warnings().insert(message).second) return;
+  const bool isNew = warnings().insert(message).second;
+  if (!warningReceivers.empty()) return warningReceivers.back()->receive(message);
+  if (!isNew) return;
   std::fflush(stdout);  // so that the warning does not stand within a line if both streams go to one file
   printError("warning: {}\n", indented(message));
+}
+
+WarningReceiver::WarningReceiver(std::function<void(const std::string&)> given) : receive(std::move(given)) {
+  const std::scoped_lock lock(warningMutex);
+  warningReceivers.push_back(this);
+}
+
+WarningReceiver::~WarningReceiver() {
+  const std::scoped_lock lock(warningMutex);
+  std::erase(warningReceivers, this);
 }
 
 std::size_t warningCount() {

@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include <exception>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -55,6 +56,16 @@ template <class First, class... Rest>
 void warn(fmt::format_string<First, Rest...> format, First&& first, Rest&&... rest) {
   warn(fmt::format(format, std::forward<First>(first), std::forward<Rest>(rest)...));
 }
+// Receives all warnings, in place of standard error, for as long as it lives; of several, the one that was made last.
+// `receive` is called on any thread, one call at a time, also for texts that have been written before.
+class [[nodiscard]] WarningReceiver {
+ public:
+  explicit WarningReceiver(std::function<void(const std::string&)> receive);
+  ~WarningReceiver();
+  WarningReceiver& operator=(WarningReceiver&&) = delete;  // neither copied nor moved
+
+  const std::function<void(const std::string&)> receive;
+};
 // Returns how many different warnings there have been so far.
 std::size_t warningCount();
 

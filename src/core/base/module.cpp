@@ -27,7 +27,11 @@ std::string lastError() {
 // Returns the folders in which the dynamic linker looks for the program's libraries. dlopen() alone does not suffice:
 // with a sanitizer, the sanitizer's library makes the call, and its RUNPATH is searched instead.
 std::vector<std::string> programLibraryFolders() {
-  void* program = ::dlopen(nullptr, RTLD_LAZY);
+  // What contains this code: the program, or Python's extension, whose folders are not those of Python's own program.
+  Dl_info own{};
+  const bool isKnown = ::dladdr(reinterpret_cast<const void*>(&programLibraryFolders), &own) != 0;
+  void* program = isKnown ? ::dlopen(own.dli_fname, RTLD_LAZY | RTLD_NOLOAD) : nullptr;
+  if (program == nullptr) program = ::dlopen(nullptr, RTLD_LAZY);
   Dl_serinfo header{};  // states the size of the list of folders, and how many there are
   if (program == nullptr || ::dlinfo(program, RTLD_DI_SERINFOSIZE, &header) != 0) {
     throw Error("the folders of this program's libraries are unknown: {}", lastError());

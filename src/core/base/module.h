@@ -33,8 +33,8 @@ struct ModuleEntry {
   const void* object;      // points to an object of the module's interface
 };
 
-// Returns the folders in which the program looks for its libraries: the folders of LD_LIBRARY_PATH, the RUNPATH (which
-// contains the modules' folder) and the system. Throws Error.
+// Returns the folders in which the program, or Python's extension, looks for its libraries: the folders of
+// LD_LIBRARY_PATH, the RUNPATH (which contains the modules' folder) and the system. Throws Error.
 std::vector<std::string> programLibraryFolders();
 
 // Returns the module's object, from the first of `folders` that has the file. If the file is missing, cannot be loaded,

@@ -60,6 +60,8 @@ class Job:
     def stop(self) -> None: ...
     @property
     def progress(self) -> tuple[str, int, int]: ...  # stage, done, all
+    @property
+    def warnings(self) -> list[str]: ...
 
 def generate(
     pipeline: str,

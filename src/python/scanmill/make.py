@@ -36,18 +36,18 @@ def generate(
         dataset = scanmill.generate("quickstart", "out/quickstart", set={"scenes.0.seeds": [4, 5], "splits": None})
 
     `pipeline`: the path of a file, the name of a pipeline that comes with the program, or a map with the keys of a
-    pipeline (docs/keys.md), whose relative paths start at the current folder. `set`: values for keys of the pipeline, as
-    the option --set has them; `seed`: the value of its key `seed`. `overwrite` replaces a dataset in the folder;
-    `resume` continues an unfinished one, and keeps a complete one. `threads`: 0 for all cores. The bytes are those that
-    the command makes.
+    pipeline (docs/keys.md), whose relative paths start at the current folder. `set`: values for keys of the pipeline,
+    as the option --set has them; `seed`: the value of its key `seed`. `overwrite` replaces a dataset in the folder;
+    `resume` continues an unfinished one, and keeps a complete one. `threads`: 0 for all cores. The bytes are those of
+    the command.
 
     Shows a bar if tqdm is installed, otherwise lines; nothing if `quiet`. Ctrl-C stops after the present samples;
-    `resume` then continues. Raises InputError for what is wrong in pipeline, scenes or folder.
+    `resume` then continues. What the command warns of are warnings of Python. Raises InputError for what is wrong in
+    pipeline, scenes or folder.
     """
     text, is_text, overrides = _pipeline(pipeline, set, seed)
     job = _core.generate(text, is_text, overrides, os.getcwd(), os.path.abspath(out), overwrite, resume, threads)
-    for line in _finished(job, "generate", quiet):
-        warnings.warn(line, stacklevel=2)
+    _finished(job, "generate", quiet)
     return open_dataset(out)
 
 
@@ -71,11 +71,10 @@ def export(
 ) -> None:
     """Writes a dataset in another layout to the folder `out`: scanmill.export(dataset, "semantic_kitti", "out/kitti").
 
-    `classes`: an ontology in place of the layout's, a file or a name. `sensors`, `splits`: names; none: all. Progress and
-    errors are as of generate()."""
+    `classes`: an ontology in place of the layout's, a file or a name. `sensors`, `splits`: names; none: all. Progress,
+    warnings and errors are as of generate()."""
     job = _core.export(_folder(dataset), to, os.path.abspath(out), classes, list(sensors), list(splits), overwrite)
-    for line in _finished(job, "export", quiet):
-        warnings.warn(line, stacklevel=2)
+    _finished(job, "export", quiet)
 
 
 def verify(dataset: Path | Dataset, *, quiet: bool = False) -> list[str]:
@@ -100,7 +99,8 @@ def _pipeline(pipeline: Pipeline, keys: Keys, seed: int | None) -> tuple[str, bo
 
 
 def _finished(job: Job, what: str, quiet: bool) -> list[str]:
-    """Shows how far a job is until it ends, and returns its lines. Stops it if Python is interrupted."""
+    """Shows how far a job is until it ends, warns of what it warns of, and returns the problems that it has found.
+    Stops it if Python is interrupted."""
     show = _Lines(what) if quiet or _tqdm() is None else _Bar(what)
     try:
         while not job.wait(0.2):
@@ -113,6 +113,8 @@ def _finished(job: Job, what: str, quiet: bool) -> list[str]:
         raise
     if not quiet:
         show(*job.progress, end=True)
+    for line in job.warnings:
+        warnings.warn(line, stacklevel=3)
     return job.result()
 
 

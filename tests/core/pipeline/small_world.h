@@ -159,20 +159,4 @@ inline std::map<std::pair<int, int>, std::size_t> rowsByBeam(const Scan& scan) {
   return rows;
 }
 
-// The share of points of `scans` whose beam has a point in `others` too, where alike(scan, row, other scan, its row).
-template <class Alike>
-double shareAlike(const std::vector<Scan>& scans, const std::vector<Scan>& others, const Alike& alike) {
-  std::size_t same = 0;
-  std::size_t all = 0;
-  for (std::size_t s = 0; s < scans.size(); ++s) {
-    const auto rows = rowsByBeam(others.at(s));
-    for (std::size_t i = 0; i < scans[s].size(); ++i) {
-      const auto row = rows.find({scans[s][kRing][i], scans[s][kColumn][i]});
-      ++all;
-      if (row != rows.end() && alike(scans[s], i, others[s], row->second)) ++same;
-    }
-  }
-  return static_cast<double>(same) / static_cast<double>(all);
-}
-
 }  // namespace scanmill
