@@ -86,14 +86,14 @@ class RecordKeys {
   void custom(const char* key, const Write& write, const Read& read) {
     if (mode_ == Mode::Collect) requiredKeys.emplace_back(key);
     if (mode_ == Mode::Write) put(key, write());
-    if (mode_ == Mode::Read) read((*node_)[key]);
+    if (node_ != nullptr) read((*node_)[key]);
   }
   // Describes a key like custom(), but the key may be missing: read() is then not called.
   template <class Write, class Read>
   void customOptional(const char* key, const Write& write, const Read& read) {
     if (mode_ == Mode::Collect) optionalKeys.emplace_back(key);
     if (mode_ == Mode::Write) put(key, write());
-    if (mode_ == Mode::Read && node_->has(key)) read((*node_)[key]);
+    if (node_ != nullptr && node_->has(key)) read((*node_)[key]);
   }
   // Describes a nested map. describeMap(keys) describes the keys of this map.
   template <class Describe>
@@ -137,7 +137,7 @@ class RecordKeys {
 
   Mode mode_ = Mode::Collect;
   std::string name_;
-  const JsonNode* node_ = nullptr;
+  const JsonNode* node_ = nullptr;  // null unless a record is read
 };
 
 // An std::optional or a smart pointer.
