@@ -16,8 +16,7 @@ scanmill_text(report kOrbitScript ${OrbitControls.js})
 foreach(text kScanViewScript:dataset/scan_view.js kScanViewStyle:dataset/scan_view.css
              kDatasetTemplate:dataset/dataset.html kDatasetStyle:dataset/dataset.css
              kPageLayout:page/page.html kPageStyle:page/page.css kPageScript:page/page.js
-             kCompareTemplate:compare/compare.html kRepeatabilityTemplate:repeatability/repeatability.html
-             kTradeoffTemplate:tradeoff/tradeoff.html)
+             kCompareTemplate:compare/compare.html kTradeoffTemplate:tradeoff/tradeoff.html)
   string(REPLACE : ";" text ${text})
   list(GET text 0 name)
   list(GET text 1 file)

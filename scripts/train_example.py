@@ -5,7 +5,7 @@
 
 It learns on the split `train` of a dataset, keeps the weights that are best on `val`, and is judged on `test` and on each
 set that --judge names: a dataset of Scanmill's, or a folder of SemanticKITTI's (velodyne/*.bin beside labels/*.label) of
-scans that somebody recorded, or a folder of such sets, as `generate --corruptions` and `--sweep` make it. OUT gets
+scans that somebody recorded, or a folder of such sets (docs/vary.md, Corruption sets). OUT gets
 figures.json (intersection over union by class and the confusion of classes, of each set), a picture of scans with truth
 and answer, one of the confusion, and the weights.
 
@@ -374,7 +374,7 @@ def table(results: dict) -> str:
 
 
 def resilience(results: dict, name: str) -> dict:
-    """Of a folder that `generate --corruptions` made: for each corruption, the mean over its severities of the mean IoU, as
+    """Of a folder of corruption sets: for each corruption, the mean over its severities of the mean IoU, as
     a part of that without corruption (the resilience rate of Robo3D, Kong et al., ICCV 2023), and the mean of these."""
     prefix = f"{name}/corruption="
     clean = results.get(prefix + "null", {}).get("miou")

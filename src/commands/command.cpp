@@ -23,7 +23,6 @@ std::span<const Command> commands() {
               "write a scene file for 3D files; units, axes, classes and materials are guesses to check", runDraft},
       Command{"plan", "PIPELINE", "show what a pipeline makes, what it models and what it leaves out", runPlan},
       Command{"verify", "DIR", "check that a dataset is complete and undamaged", runVerify},
-      Command{"regenerate", "DIR", "repair a dataset: make damaged shards again with the same bytes", runRegenerate},
       Command{"export", "DIR --to LAYOUT -o DIR",
               "convert a dataset to SemanticKITTI, KITTI, nuScenes, LAS, PLY, NumPy or MCAP", runExport},
       Command{"report", "DATASET [-o FILE.html]",

@@ -33,7 +33,6 @@ int runDraft(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
 int runExport(const std::vector<std::string>& arguments);
 int runMerge(const std::vector<std::string>& arguments);
-int runRegenerate(const std::vector<std::string>& arguments);
 int runVerify(const std::vector<std::string>& arguments);
 int runReport(const std::vector<std::string>& arguments);
 int runView(const std::vector<std::string>& arguments);

@@ -11,7 +11,6 @@
 #include "commands/arguments.h"
 #include "commands/forecast_text.h"
 #include "commands/stop_signal.h"
-#include "commands/sweep.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/names.h"
@@ -113,12 +112,6 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   return shardsOfWorker(countOption(parsed, "worker"), countOption(parsed, "workers"), shards);
 }
 
-// Returns the plan of the command's pipeline. `sweepOverrides`: overrides that are applied after --set and --seed.
-Plan planOf(const Arguments& parsed, const std::vector<std::string>& sweepOverrides) {
-  return makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed, sweepOverrides), recordingOf(parsed)),
-                  parsed.has("keep-hits") ? channelsThat(&ChannelRow::recorded) : Channels{});
-}
-
 // Reads all options of GenerateOptions except the choice of shards, which shardsOption() reads.
 GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::path& folder) {
   GenerateOptions options{.folder = folder,
@@ -154,11 +147,10 @@ std::optional<Forecast> printForecastOf(const Arguments& parsed, const Plan& pla
   return predicted;
 }
 
-// Makes one dataset. `sweepOverrides`: see planOf().
-void generateOne(const Arguments& parsed, const std::vector<std::string>& sweepOverrides,
-                 const std::filesystem::path& folder) {
+void makeDataset(const Arguments& parsed, const std::filesystem::path& folder) {
   GenerateOptions options = folderOptions(parsed, folder);
-  const Plan plan = planOf(parsed, sweepOverrides);
+  const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)),
+                             parsed.has("keep-hits") ? channelsThat(&ChannelRow::recorded) : Channels{});
   const std::vector<ShardJob> jobs = shardJobs(plan);
   options.shards = shardsOption(parsed, jobs.size());
   const bool allShards = options.shards.kind == ShardChoice::Kind::All;
@@ -176,8 +168,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& sweepO
     return;
   }
   DatasetFolder::check(folder, options.use());  // before the forecast, which takes a second
-  const bool forecasts = sweepOverrides.empty() && plan.pipeline.rays() >= kRaysWorthAForecast && !options.quiet &&
-                         !options.resume && allShards;
+  const bool forecasts = plan.pipeline.rays() >= kRaysWorthAForecast && !options.quiet && !options.resume && allShards;
   const std::optional<Forecast> predicted = forecasts ? printForecastOf(parsed, plan) : std::nullopt;
   const GenerateSummary summary = generate(plan, options);
   if (summary.complete && summary.shards == 0 && summary.resumedShards == 0) {
@@ -191,25 +182,6 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& sweepO
   printCosts(summary, predicted);
   if (summary.complete)
     printText("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", folder.string());
-}
-
-// Makes a dataset for each combination of the swept values, in a folder of its own below `folder`.
-void generateSweep(const Arguments& parsed, const std::vector<std::string>& sweeps,
-                   const std::filesystem::path& folder) {
-  if (parsed.has("keep-hits")) {
-    throw InputError(
-        "--sweep and --corruptions make several datasets, but a recording belongs to one: first run once with "
-        "--keep-hits, then sweep effects with --from-hits");
-  }
-  const std::vector<SweepSet> sets = sweepSets(sweeps);
-  for (const SweepSet& set : sets) {  // check all datasets before making the first
-    const Plan plan = planOf(parsed, set.overrides);
-    const ShotSource checksVehicle(plan);
-  }
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    printText("{}{} of {}: {}\n", i == 0 ? "" : "\n", i + 1, sets.size(), (folder / sets[i].folder).string());
-    generateOne(parsed, sets[i].overrides, folder / sets[i].folder);
-  }
 }
 
 void addGenerateOptions(CommandOptions& options) {
@@ -231,13 +203,6 @@ void addGenerateOptions(CommandOptions& options) {
       textValue(), "N|auto");
   options.add("keep-hits", "save what the beams hit, so that scans can be made again without tracing", textValue(),
               "DIR");
-  options.add(
-      "sweep",
-      "make a dataset for each value of the list, for sensors.0.preset in DIR/preset=VALUE; given several times, for "
-      "all combinations",
-      listValue(), "KEY=[A,B]");
-  options.add("corruptions",
-              "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption");
   addRecordingOptions(options);
   options.add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
@@ -259,19 +224,11 @@ int runGenerate(const std::vector<std::string>& arguments) {
                      "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
                      "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
                      "--set 'effects=[intensity]'\n"
-                     "  scanmill generate quickstart -o out/sensors "
-                     "--sweep 'sensors.0.preset=[hdl_64e, os1_128, vlp_16]'\n"
                      "  scanmill generate quickstart -o out/fog --set 'corruption={fog: heavy}'\n");
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::filesystem::path folder = parsed.text("out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the dataset go?");
-  std::vector<std::string> sweeps = parsed.list("sweep");
-  if (parsed.has("corruptions")) sweeps.push_back(corruptionSweep());
-  if (sweeps.empty()) {
-    generateOne(parsed, {}, folder);
-  } else {
-    generateSweep(parsed, sweeps, folder);
-  }
+  makeDataset(parsed, folder);
   return 0;
 }
 

@@ -72,9 +72,8 @@ void printDataset(const std::filesystem::path& folder) {
   for (const ModelledItem& item : m.modelled) printText("  {}\n", oneLine(lineOf(item)));
   for (const auto& [shard, problem] : undescribed) warn(problem);
   if (undescribed.empty()) return;
-  warn(
-      "the points and beams of {} of {} shards are not counted: `scanmill regenerate {}` makes the damaged files again",
-      undescribed.size(), m.shards.size(), folder.string());
+  warn("the points and beams of {} of {} shards are not counted: `scanmill verify {}` says how to make them again",
+       undescribed.size(), m.shards.size(), folder.string());
 }
 
 // Prints the size of a scan, and the least and greatest value of each column. `what`: the scan's name.

@@ -11,7 +11,6 @@
 #include "pipeline/plan/plan.h"
 #include "pipeline/scenes/shot_source.h"
 #include "report/page/page.h"
-#include "report/repeatability/repeatability_report.h"
 #include "study/figure_text.h"
 
 namespace scanmill {
@@ -20,23 +19,12 @@ namespace {
 
 constexpr const char* kRepeatabilityFile = "repeatability.json";
 
-// Writes the report's files, kRepeatabilityFile last: if this file exists, the report is complete.
-void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
-  std::vector<Chart> charts = repeatabilityCharts(result, 0);
-  if (result.levels.size() > 1) {
-    for (Chart& chart : repeatabilityViewCharts(result, result.views.front())) charts.push_back(std::move(chart));
-  }
-  for (const Chart& chart : charts) writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
-  writeFile(folder / "index.html", repeatabilityReport(result, date));
-  writeFile(folder / kRepeatabilityFile, repeatabilityJson(result));
-}
-
 }  // namespace
 
 int runRepeatability(const std::vector<std::string>& arguments) {
   CommandOptions options("repeatability");
-  options.add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
-  options.add("overwrite", "replace an existing report");
+  options.add("o,out", "folder of the figures; it is made if it does not exist", textValue(), "DIR");
+  options.add("overwrite", "replace existing figures");
   options.add("q,quiet", "print one line instead of progress");
   addPipelineOptions(options);
   const Arguments parsed =
@@ -47,7 +35,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
                      "  scanmill repeatability pipelines/street.yaml -o out/nearest --set trajectories.0.frames=3\n");
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::filesystem::path folder = folderOption(parsed, "out");
-  if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
+  if (folder.empty()) throw InputError("-o DIR is missing: where should the figures go?");
   Pipeline pipeline = readPipeline(parsed.pipeline(), pipelineOverrides(parsed));
   const Channels channels = repeatabilityChannels(pipeline);
   const Plan plan = makePlan(std::move(pipeline), channels);
@@ -55,12 +43,12 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   prepareReportFolder(folder, kRepeatabilityFile, parsed.has("overwrite"));
   const RepeatabilityOptions run{.quiet = parsed.has("quiet"), .stop = &stopSignal()};
   const Repeatability result = measureRepeatability(plan, run);
-  writeResult(result, today(), folder);
+  writeFile(folder / kRepeatabilityFile, repeatabilityJson(result));
   for (const std::string& warning : result.warnings) warn(warning);
   std::size_t poses = 0;
   for (const RepeatedView& view : result.views) poses += view.poses.size();
-  printText("{}, {}: open {}\n", pluralOf(poses, "pose"), pluralOf(result.levels.size(), "noise level"),
-            (folder / "index.html").string());
+  printText("{}, {}: {}; scripts/repeatability_charts draws them\n", pluralOf(poses, "pose"),
+            pluralOf(result.levels.size(), "noise level"), (folder / kRepeatabilityFile).string());
   return 0;
 }
 

@@ -6,6 +6,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "dataset/folder_contents.h"
+#include "dataset/names.h"
 #include "pipeline/run/progress.h"
 
 namespace scanmill {
@@ -28,7 +29,13 @@ int runVerify(const std::vector<std::string>& arguments) {
   printText("{}, {}; {} with {}, each format counted: {}\n", pluralOf(v.shards, "shard"), pluralOf(v.samples, "sample"),
             pluralOf(v.scans, "scan file"), pluralOf(v.points, "point"),
             problems == 0 ? "sound" : pluralOf(problems, "problem"));
-  if (v.damaged > 0) printText("next: scanmill regenerate {} makes the damaged files again\n", folder);
+  if (!v.damaged.empty()) {
+    const std::string ranges = shardRanges(v.damaged);
+    printText(
+        "next: scanmill generate PIPELINE -o NEW --shards {} makes the damaged shards again, with the same bytes: "
+        "copy them from NEW/{} to {}\n",
+        ranges, kHiddenName, folder);
+  }
   return problems == 0 ? 0 : 1;
 }
 

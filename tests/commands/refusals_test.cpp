@@ -55,17 +55,6 @@ const Refusal kRefusals[] = {
     {"generate P -o @x --from-passes @hits", "--from-hits"},
     {"generate P -o @x --from-hits A", "no recording.json"},
     {"generate @scene.yaml -o @x", "scene.yaml: this is a scene: name it under `scenes:` of a pipeline"},
-    {"generate P -o @x --sweep seed", "--sweep must be KEY=[A, B, ...]"},
-    {"generate P -o @x --sweep seed=3", "not a list"},
-    {"generate P -o @x --sweep seed=[]", "the list is empty"},
-    {"generate P -o @x --sweep seed=[1", "--sweep seed"},
-    {"generate P -o @x --sweep 'sed=[1, 2]'", "sed"},
-    {"generate P -o @x --sweep 'method=[ray_tracing, nothing]'", "nothing"},  // before the first is made
-    {"generate P -o @x --sweep 'vehicle=[vehicle, @bad.yaml]'", "bad.yaml:1"},
-    {"generate P -o @x --sweep seed=[1] --sweep seed=[2]", "is given twice"},
-    {"generate P -o @x --sweep seed=[1] --keep-hits @y", "--from-hits"},
-    {"generate P -o @x --corruptions --keep-hits @y", "--from-hits"},
-    {"generate P -o @x --corruptions", "interference need `noise`"},
 
     {"plan", "PIPELINE is missing"},
     {"plan absent.yaml", "absent.yaml"},

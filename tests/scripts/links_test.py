@@ -45,7 +45,6 @@ STATES = ("complete", "unfinished", "damaged")
 EXPORT_STATES = ("exported", "half_exported")
 COMMANDS = {
     "merge": ("merge", "{ds}"),
-    "regenerate": ("regenerate", "{ds}", "--pipeline", "{pipeline}", "--quiet"),
     "overwrite": ("generate", "{pipeline}", "-o", "{ds}", "--overwrite", "--quiet"),
     "resume": ("generate", "{pipeline}", "-o", "{ds}", "--resume", "--quiet"),
     "worker": ("generate", "{pipeline}", "-o", "{ds}", "--worker", "0", "--workers", "2", "--quiet"),

@@ -35,7 +35,7 @@ std::string description(const Value& value) {
   if (isDistribution(value)) {
     throw InputError(value.where,
                      "{} cannot be random: only sensors' `mount` and `effects`, the pipeline's `effects` and a scene's "
-                     "`objects` can (docs/keys.md); `--sweep` makes a dataset for each of several values",
+                     "`objects` can (docs/keys.md); for a dataset of each value, run once for each with --set",
                      what);
   }
   std::string hint;

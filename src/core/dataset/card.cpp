@@ -12,8 +12,6 @@
 #include "base/short_text.h"
 #include "dataset/json_text.h"
 #include "dataset/objects.h"
-#include "dataset/voxels.h"
-#include "formats/reasons_png.h"
 #include "scan/columns.h"
 
 namespace scanmill {
@@ -160,99 +158,6 @@ std::string fenceFor(const std::string& text) {
   return std::string(longest + 1, '`');
 }
 
-// Returns a field of the record set `samples`. `source`: id of the set of files to read. `extract`: reads the name or
-// the content of a file. `pattern`: regular expression whose first group is the value; null: none.
-OrderedJson sampleField(const char* name, const char* description, const char* source, OrderedJson extract,
-                        const char* pattern) {
-  OrderedJson field{
-      {"@type", "cr:Field"},   {"@id", fmt::format("samples/{}", name)},
-      {"name", name},          {"description", description},
-      {"dataType", "sc:Text"}, {"source", {{"fileSet", {{"@id", source}}}, {"extract", std::move(extract)}}}};
-  if (pattern != nullptr) field["source"]["transform"] = {{"regex", pattern}};
-  return field;
-}
-
-// The JSON-LD context of Croissant 1.0, which maps each key to its meaning.
-constexpr const char* kCroissantContext = R"({
-  "@language": "en", "@vocab": "https://schema.org/", "citeAs": "cr:citeAs", "conformsTo": "dct:conformsTo",
-  "cr": "http://mlcommons.org/croissant/", "data": {"@id": "cr:data", "@type": "@json"},
-  "dct": "http://purl.org/dc/terms/", "sc": "https://schema.org/",
-  "dataType": {"@id": "cr:dataType", "@type": "@vocab"}, "excludes": "cr:excludes", "extract": "cr:extract",
-  "field": "cr:field", "fileProperty": "cr:fileProperty", "fileSet": "cr:fileSet", "includes": "cr:includes",
-  "key": "cr:key", "recordSet": "cr:recordSet", "regex": "cr:regex", "source": "cr:source",
-  "transform": "cr:transform"
-})";
-
-// A set of files in Croissant: all members of the shards whose names end with `suffix`.
-struct FileSet {
-  std::string id;
-  std::string suffix;
-  const char* mediaType;
-};
-
-// Returns the shards as files in Croissant's JSON-LD, and the members of the shards as sets of files.
-OrderedJson croissantFiles(const Manifest& manifest) {
-  OrderedJson files = OrderedJson::array(), shards = OrderedJson::array();
-  for (const ShardRecord& shard : manifest.shards) {
-    shards.push_back({{"@id", shard.file}});
-    files.push_back({{"@type", "cr:FileObject"},
-                     {"@id", shard.file},
-                     {"name", shard.file},
-                     {"description", fmt::format("{} samples of the split {}", shard.samples, shard.split)},
-                     {"contentUrl", shard.file},
-                     {"contentSize", fmt::format("{} B", shard.bytes)},
-                     {"encodingFormat", "application/x-tar"},
-                     {"sha256", shard.sha256}});
-  }
-  std::vector<FileSet> sets{{.id = "samples-json", .suffix = "json", .mediaType = "application/json"}};
-  for (const FileSet& optional : {FileSet{"objects-json", std::string(kObjectsSuffix), "application/json"},
-                                  FileSet{"reasons-png", std::string(kReasonsSuffix), "image/png"},
-                                  FileSet{"voxels-npz", std::string(kVoxelsSuffix), "application/zip"}}) {
-    if (hasMembers(manifest, optional.suffix)) sets.push_back(optional);
-  }
-  for (const FormatRecord& format : manifest.formats) {
-    sets.push_back({"scans-" + format.name, format.suffix, "application/octet-stream"});
-  }
-  for (const FileSet& set : sets) {
-    files.push_back({{"@type", "cr:FileSet"},
-                     {"@id", set.id},
-                     {"name", set.id},
-                     {"containedIn", shards},
-                     {"encodingFormat", set.mediaType},
-                     {"includes", "*." + set.suffix}});
-    // Excludes other members whose names end in .json, such as lists of objects.
-    if (set.id == "samples-json") files.back()["excludes"] = "*.*.json";
-  }
-  return files;
-}
-
-// Returns the record sets of Croissant: a table of the classes and a table of the samples.
-OrderedJson croissantRecords(const Manifest& manifest) {
-  OrderedJson classes = OrderedJson::array();
-  for (const SemanticClass& c : manifest.ontology.classes) {
-    classes.push_back({{"classes/id", c.id}, {"classes/name", c.name}});
-  }
-  return {
-      {{"@type", "cr:RecordSet"},
-       {"@id", "classes"},
-       {"name", "classes"},
-       {"description", "The classes of the column `label` of scans."},
-       {"key", {{"@id", "classes/id"}}},
-       {"field",
-        {{{"@type", "cr:Field"}, {"@id", "classes/id"}, {"name", "id"}, {"dataType", "sc:Integer"}},
-         {{"@type", "cr:Field"}, {"@id", "classes/name"}, {"name", "name"}, {"dataType", "sc:Text"}}}},
-       {"data", std::move(classes)}},
-      {{"@type", "cr:RecordSet"},
-       {"@id", "samples"},
-       {"name", "samples"},
-       {"description", "One record for each sample: its key, and its description with poses and counts as JSON."},
-       {"key", {{"@id", "samples/key"}}},
-       {"field",
-        {sampleField("key", "scene, seed, trajectory and frame", "samples-json", {{"fileProperty", "filename"}},
-                     "^(?:.*/)?([^/.]+)\\.json$"),
-         sampleField("description", "the sample as JSON", "samples-json", {{"fileProperty", "content"}}, nullptr)}}}};
-}
-
 }  // namespace
 
 ScanTotals totalsOf(const Manifest& manifest) {
@@ -344,26 +249,6 @@ std::string cardText(const Manifest& manifest) {
       "above lack, and classes are as frequent as in the scenes, not as in any real place. `scanmill compare` "
       "measures how far it is from recorded scans of yours.\n";
   return text;
-}
-
-std::string croissantJson(const Manifest& manifest) {
-  const ScanTotals totals = totalsOf(manifest);
-  OrderedJson json{{"@context", OrderedJson::parse(kCroissantContext)},
-                   {"@type", "sc:Dataset"},
-                   {"conformsTo", "http://mlcommons.org/croissant/1.0"},
-                   {"name", manifest.name},
-                   {"description", aboutText(manifest, "description", summaryOf(manifest, totals) + ".")},
-                   {"keywords", {"LiDAR", "point cloud", "synthetic", "semantic segmentation"}}};
-  for (const char* key : {"license", "url"}) {
-    if (const std::string value = aboutText(manifest, key, ""); !value.empty()) json[key] = value;
-  }
-  if (const std::string creator = aboutText(manifest, "creator", ""); !creator.empty()) {
-    json["creator"] = {{"@type", "sc:Organization"}, {"name", creator}};
-  }
-  if (const std::string cite = aboutText(manifest, "citation", ""); !cite.empty()) json["citeAs"] = cite;
-  json["distribution"] = croissantFiles(manifest);
-  json["recordSet"] = croissantRecords(manifest);
-  return layOut(json) + "\n";
 }
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// The files beside a manifest that describe the dataset: the data card for people, and metadata for search engines.
+// The file beside a manifest that describes the dataset for people: the data card.
 
 #include <array>
 #include <cstdint>
@@ -39,9 +39,5 @@ std::string spanText(const Span& span);
 // of an interval are equal unless the mount is random.
 using MountSpans = std::array<Span, 6>;
 MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor);
-
-// Returns the metadata of the dataset as JSON-LD in the format Croissant 1.0 (mlcommons.org/croissant/1.0): its shards
-// with their hashes, their members, and a record for each sample with its key, split and description.
-std::string croissantJson(const Manifest& manifest);
 
 }  // namespace scanmill

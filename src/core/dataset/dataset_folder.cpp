@@ -42,14 +42,12 @@ bool surelyExists(const fs::path& path) {
   throw Error("{}: {}", path.string(), failure.message());
 }
 
-// Returns the nearest folder above `folder` that has a complete or unfinished dataset. Returns an empty path if there
-// is none, or if the folder is in a dataset's hidden folder, where regenerate() makes shards again.
+// Returns the nearest folder above `folder` that has a complete or unfinished dataset; an empty path if there is none.
 fs::path datasetAbove(const fs::path& folder) {
   fs::path ancestor = fs::absolute(folder).lexically_normal();
   if (!ancestor.has_filename()) ancestor = ancestor.parent_path();  // the path ends in a slash
   while (ancestor.has_relative_path()) {
     ancestor = ancestor.parent_path();
-    if (ancestor.filename() == kHiddenName) return {};
     try {
       if (isUnfinished(ancestor) || !filesListedIn(ancestor / kManifestName).empty()) return ancestor;
     } catch (const InputError&) {
@@ -399,7 +397,6 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       shardFolders.insert((folder_ / shard.file).parent_path());
     }
     writeChecked(kCardName, cardText(manifest), [] {});
-    writeChecked(kCroissantName, croissantJson(manifest), [] {});
     const std::string text = manifestText(folder_, mostSampleBytes, manifest);
     syncFolder(folder_);
     for (const fs::path& folder : shardFolders) syncFolder(folder);

@@ -331,7 +331,7 @@ Manifest readManifest(const std::filesystem::path& folder) {
   if (undescribed.empty()) return manifest;
   const std::size_t others = undescribed.size() - 1;
   throw InputError(fmt::format(
-      "{}{}\nnext: `scanmill regenerate {}` makes it again", undescribed.begin()->second,
+      "{}{}\nnext: `scanmill verify {}` says how to make it again", undescribed.begin()->second,
       others == 0 ? "" : fmt::format(" (and so are {} more files that describe samples)", others), folder.string()));
 }
 

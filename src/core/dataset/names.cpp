@@ -57,8 +57,7 @@ bool isLeftover(std::string_view name) {
   constexpr std::string_view kJson = ".json";
   const bool isSamplesFile = final->ends_with(kJson) &&  // true for names that samplesFileOf() returns
                              isShardName(std::string(final->substr(0, final->size() - kJson.size())) + ".tar");
-  return *final == kManifestName || *final == kCardName || *final == kCroissantName || isShardName(*final) ||
-         isSamplesFile;
+  return *final == kManifestName || *final == kCardName || isShardName(*final) || isSamplesFile;
 }
 
 std::optional<std::string_view> finalName(std::string_view name) {

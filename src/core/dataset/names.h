@@ -14,9 +14,8 @@
 namespace scanmill {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
-// Names of the files that describe the dataset, beside the manifest (card.h).
+// Name of the file that describes the dataset, beside the manifest (card.h).
 inline constexpr std::string_view kCardName = "dataset_card.md";
-inline constexpr std::string_view kCroissantName = "croissant.json";
 // The folder that contains a dataset until the dataset is complete (dataset_folder.h); readers ignore it.
 inline constexpr std::string_view kHiddenName = ".scanmill";
 
@@ -29,7 +28,7 @@ std::string shardName(const std::string& split, std::uint64_t number);
 // Returns true if shardName() can return `name`, which is relative to the dataset's folder.
 bool isShardName(std::string_view name);
 // Returns true if `name` is the temporary name of a file that is written for a dataset: a shard, the file beside it,
-// the manifest, the card or croissant.json. Killed runs leave files with temporary names behind.
+// the manifest or the card. Killed runs leave files with temporary names behind.
 bool isLeftover(std::string_view name);
 // Returns the final name of a file that has the temporary name `name` (AtomicFile in base/file.h); nothing if `name` is
 // not a temporary name.

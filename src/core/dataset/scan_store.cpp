@@ -266,7 +266,7 @@ std::optional<std::string> ScanStore::bytesOf(std::size_t sample, const std::str
   const std::string stated = record->xxh3Of(name);
   if (stated.empty() || xxh3(bytes) == stated) return bytes;
   throw InputError({index.file().string()},
-                   "{} was changed since it was written: `scanmill regenerate {}` makes it again", name,
+                   "{} was changed since it was written: `scanmill verify {}` says how to make it again", name,
                    folder_.string());
 }
 

@@ -368,7 +368,7 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
     total.samples += part.samples;
     total.scans += part.scans;
     total.points += part.points;
-    total.damaged += part.problems.empty() && !undescribed.contains(i) ? 0 : 1;
+    if (!part.problems.empty() || undescribed.contains(i)) total.damaged.push_back(i);
     total.problems.insert(total.problems.end(), part.problems.begin(), part.problems.end());
   }
   try {

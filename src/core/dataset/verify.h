@@ -20,8 +20,8 @@ struct Verification {
   std::uint64_t samples = 0;
   std::uint64_t scans = 0;
   std::uint64_t points = 0;
-  std::uint64_t damaged = 0;            // number of shards with a fault in the shard or its samples' file
-  std::vector<std::string> problems{};  // one line each, with shard and member; empty: the dataset is sound
+  std::vector<std::uint64_t> damaged{};  // numbers of the shards with a fault in the shard or its samples' file
+  std::vector<std::string> problems{};   // one line each, with shard and member; empty: the dataset is sound
 };
 
 // Lists all faults of the data, not only the first. Faults are a missing shard, a wrong hash, a member that cannot be

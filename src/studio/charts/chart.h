@@ -43,7 +43,6 @@ struct ChartSeries {
   bool labelsFirst = false;     // labels are placed before other series' labels, if necessary far from their points
   std::vector<Vec2d> points{};  // points that are not finite are not drawn, and interrupt lines
   // Each of the following lists is empty or has one entry per point.
-  std::vector<Vec2d> spans{};  // low and high end of an error bar in y
   // Texts that are drawn beside the point, or at the end of the bar, if there is room; an empty text is not drawn.
   std::vector<std::string> labels{};
   std::vector<std::string> details{};  // text that is shown when the pointer is on the point

@@ -76,7 +76,7 @@ std::string style() {
   std::string css =
       ".smc text{font-family:Helvetica,Arial,'Liberation Sans',sans-serif;font-size:11.5px}"
       ".smc .title{font-size:15px;font-weight:600}.smc .note,.smc .axistitle{font-size:12px}"
-      ".smc .strong{font-weight:600}.smc .line,.smc .span{fill:none;stroke-width:1.8}"
+      ".smc .strong{font-weight:600}.smc .line{fill:none;stroke-width:1.8}"
       ".smc .wide{stroke-width:2.4}.smc .dim{opacity:.6}.smc .mark{vector-effect:non-scaling-stroke}"
       ".smc .label{paint-order:stroke;stroke-width:2.5px;stroke-linejoin:round}";
   for (std::size_t i = 0; i < kChartColors; ++i) {
@@ -232,7 +232,6 @@ class SvgDrawing {
         ys.push_back(s.points[i].y);
         const auto [name, value] = swapped(s.points[i]);
         if (chart_.stacked) barEnds.push_back(sums[name] += value);
-        if (i < s.spans.size() && isDrawn(s.spans[i])) ys.insert(ys.end(), {s.spans[i].x, s.spans[i].y});
       }
     }
     constexpr double kLabelRoom = 1.12;  // length of the axis divided by the longest bar, if bars have labels
@@ -318,7 +317,6 @@ class SvgDrawing {
       if (isBars(s)) chart_.stacked ? drawBars(s, 0, 1) : drawBars(s, slot++, barSeries_);
     }
     for (const ChartSeries* s : sortedBy(&ChartSeries::emphasised)) {
-      drawSpans(*s);
       if (hasLine(*s)) drawLine(*s);
     }
     for (const ChartSeries* s : sortedBy(&ChartSeries::emphasised)) {
@@ -382,18 +380,6 @@ class SvgDrawing {
     occupied_.push_back(box);
     addText("label", box.left, horizontal_ ? (bar.top + bar.bottom) / 2 + kFont * kBaseline : box.bottom - 2, "start",
             label);
-  }
-
-  // Draws error bars.
-  void drawSpans(const ChartSeries& s) {
-    constexpr double kHalfCap = 4;  // half the length of the line at each end (pixels)
-    for (std::size_t i = 0; i < std::min(s.spans.size(), s.points.size()); ++i) {
-      if (!isDrawn(s.points[i]) || !isDrawn(s.spans[i])) continue;
-      const Vec2d low = pixel({s.points[i].x, s.spans[i].x}), high = pixel({s.points[i].x, s.spans[i].y});
-      addPath(cssClasses("span", s),
-              fmt::format("M{0},{1}V{2}M{3},{1}H{4}M{3},{2}H{4}", svgNumber(low.x), svgNumber(low.y), svgNumber(high.y),
-                          svgNumber(low.x - kHalfCap), svgNumber(low.x + kHalfCap)));
-    }
   }
 
   // Draws the line of a series, interrupted at points that are not finite. Records the segments of emphasised lines as

@@ -247,7 +247,7 @@ TEST(Distribution, RefusesWhatIsNone) {
   EXPECT_THAT(refusal("{uniform: [0, 1], weights: [1]}"), HasSubstr("only be given to a choice"));
   EXPECT_THAT(refusal("{uniform: [0, 1], per: scan}"), HasSubstr("frame"));
   EXPECT_THAT(messageOf([] { readNumber(parseYaml("{uniform: [0, 1]}", "x.yaml"), "speed"); }),
-              AllOf(HasSubstr("x.yaml:1:"), HasSubstr("speed cannot be random"), HasSubstr("--sweep")));
+              AllOf(HasSubstr("x.yaml:1:"), HasSubstr("speed cannot be random"), HasSubstr("--set")));
   EXPECT_THAT(refusal("{uniform: [0, 1], wihtin: [0, 1]}"), HasSubstr("within"));
 }
 

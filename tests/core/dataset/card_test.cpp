@@ -1,10 +1,6 @@
 #include "dataset/card.h"
 
-#include <fnmatch.h>
-
-#include <nlohmann/json.hpp>
-#include <regex>
-#include <set>
+#include <map>
 #include <sstream>
 
 #include "tests/core/dataset/fixture.h"
@@ -14,7 +10,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using OrderedJson = nlohmann::ordered_json;
 
 // The cells of the table under a heading, by rows.
 std::vector<std::vector<std::string>> tableIn(const std::string& card, const std::string& heading) {
@@ -77,53 +72,6 @@ TEST(Card, TextOfOthersStaysText) {
   m.about = {};
   const std::string card = cardText(m);
   EXPECT_THAT(card, AllOf(HasSubstr("| a\\|b |"), HasSubstr("\n`````yaml\n"), HasSubstr("License: not stated")));
-  EXPECT_FALSE(OrderedJson::parse(croissantJson(m)).contains("license"));
-}
-
-// Croissant 1.0: ids are unique, references lead somewhere, and the patterns select the members that they are for.
-TEST(Card, CroissantDescribesEveryShardAndMember) {
-  Manifest m = filledManifest();
-  for (const char* other : {".a.b.reasons.png", ".a.b.voxels.npz"}) {
-    m.samples[0].members.push_back(m.samples[0].key + other);
-  }
-  const OrderedJson json = OrderedJson::parse(croissantJson(m));
-  EXPECT_EQ(json["conformsTo"], "http://mlcommons.org/croissant/1.0");
-  EXPECT_EQ(json["license"], "CC-BY-4.0");
-  std::set<std::string> ids;
-  std::map<std::string, OrderedJson> sets;
-  for (const OrderedJson& file : json["distribution"]) {
-    EXPECT_TRUE(ids.insert(file["@id"]).second) << file["@id"];
-    if (file["@type"] == "cr:FileSet") sets[file["@id"]] = file;
-  }
-  for (const ShardRecord& shard : m.shards) EXPECT_TRUE(ids.contains(shard.file));
-  EXPECT_EQ(json["distribution"][1]["sha256"], m.shards[1].sha256);
-  for (const auto& [id, set] : sets) {
-    EXPECT_EQ(set["containedIn"].size(), m.shards.size());
-    for (const OrderedJson& in : set["containedIn"]) EXPECT_TRUE(ids.contains(in["@id"]));
-  }
-  const OrderedJson& classes = json["recordSet"][0]["data"];
-  ASSERT_EQ(classes.size(), m.ontology.classes.size());
-  for (std::size_t i = 0; i < classes.size(); ++i) EXPECT_EQ(classes[i]["classes/name"], m.ontology.classes[i].name);
-  const OrderedJson& fields = json["recordSet"][1]["field"];
-  for (const OrderedJson& field : fields) EXPECT_TRUE(sets.contains(field["source"]["fileSet"]["@id"]));
-  const std::regex key(fields[0]["source"]["transform"]["regex"].get<std::string>());
-  const auto in = [&](const OrderedJson& set, const std::string& member) {
-    const auto matches = [&](const char* which) {
-      return set.contains(which) && fnmatch(set[which].get<std::string>().c_str(), member.c_str(), 0) == 0;
-    };
-    return matches("includes") && !matches("excludes");
-  };
-  for (const SampleRecord& sample : m.samples) {
-    for (const std::string& member : sample.members) {
-      std::size_t selected = 0;
-      for (const auto& [id, set] : sets) selected += in(set, member) ? 1 : 0;
-      EXPECT_EQ(selected, 1u) << member;
-    }
-    std::smatch found;
-    ASSERT_TRUE(std::regex_search(sample.members.front(), found, key));
-    EXPECT_EQ(found[1], sample.key);
-    EXPECT_FALSE(in(sets.at("samples-json"), sample.key + ".objects.json"));
-  }
 }
 
 }  // namespace

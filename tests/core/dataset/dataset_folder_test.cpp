@@ -92,8 +92,8 @@ TEST(DatasetFolder, ReplacesTheOldDatasetAtTheEndAndNothingElse) {
     publish(replacing, {addShard(replacing, 0)});
   }
   EXPECT_THAT(filesOf(folder.path()),
-              ElementsAre("croissant.json", "dataset_card.md", "manifest.json", "notes.txt", "train/notes.txt",
-                          "train/train-000000.tar", "train/train-000000.tar.partial-mine", "train/train.tar"));
+              ElementsAre("dataset_card.md", "manifest.json", "notes.txt", "train/notes.txt", "train/train-000000.tar",
+                          "train/train-000000.tar.partial-mine", "train/train.tar"));
   EXPECT_FALSE(fs::exists(folder.path() / "val")) << "empty folders go too";
   EXPECT_EQ(readManifest(folder.path()).samples.size(), 1u);
 }
@@ -313,21 +313,20 @@ TEST(DatasetFolder, DescriptionsOfManySamplesLieBesideTheShards) {
   writeFile(folder.path() / "manifest.json", text);
   fs::remove(beside);
   EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }),
-              AllOf(HasSubstr("val-000000.json"), HasSubstr("scanmill regenerate")));
+              AllOf(HasSubstr("val-000000.json"), HasSubstr("scanmill verify")));
 
   // Replaced, they go with their shards.
   {
     DatasetFolder replacing(folder.path(), FolderUse::Replace, kPlan);
     publish(replacing, {addShard(replacing, 0)});
   }
-  EXPECT_THAT(filesOf(folder.path()),
-              ElementsAre("croissant.json", "dataset_card.md", "manifest.json", "train/train-000000.tar"));
+  EXPECT_THAT(filesOf(folder.path()), ElementsAre("dataset_card.md", "manifest.json", "train/train-000000.tar"));
 }
 
 TEST(DatasetFolder, ADatasetMayBeEmpty) {
   const TemporaryFolder folder;
   DatasetFolder(folder.path() / "data", FolderUse::New, kPlan).publish(testManifest());
-  EXPECT_THAT(filesOf(folder.path() / "data"), ElementsAre("croissant.json", "dataset_card.md", "manifest.json"));
+  EXPECT_THAT(filesOf(folder.path() / "data"), ElementsAre("dataset_card.md", "manifest.json"));
   EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty());
 }
 

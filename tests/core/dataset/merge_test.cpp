@@ -33,8 +33,8 @@ TEST_F(Merge, EndsADatasetWhoeverMadeItsShards) {
   make(data_, {0, 2});
   const Manifest manifest = mergeDataset(data_);
   EXPECT_THAT(filesOf(data_),
-              ElementsAre("croissant.json", "dataset_card.md", "manifest.json", "train/train-000000.tar",
-                          "train/train-000001.tar", "train/train-000002.tar", "train/train-000003.tar"));
+              ElementsAre("dataset_card.md", "manifest.json", "train/train-000000.tar", "train/train-000001.tar",
+                          "train/train-000002.tar", "train/train-000003.tar"));
   EXPECT_EQ(toJson(readManifest(data_)), toJson(manifest));
   ASSERT_EQ(manifest.samples.size(), 4u);
   EXPECT_EQ(manifest.samples[2].key, "k-2");

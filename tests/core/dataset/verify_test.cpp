@@ -138,7 +138,7 @@ TEST_F(VerifyTest, FindsAllDamagedDescriptions) {
   EXPECT_THAT(result.problems, ElementsAre(named(0, "was changed"), named(1, "cannot be read"), named(2, "was changed"),
                                            AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("its SHA-256 is")),
                                            "val/val-000009.json: is not in the manifest"));
-  EXPECT_EQ(result.damaged, 3u);
+  EXPECT_EQ(result.damaged.size(), 3u);
   EXPECT_EQ(result.samples, 9u);
 }
 

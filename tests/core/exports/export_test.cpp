@@ -205,7 +205,7 @@ TEST_F(Exports, DamagedMembersAreRefused) {
   writeFile(shard, bytes);
   EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "out")); }),
               testing::AllOf(HasSubstr("street-s2-lane-000003.top.ray_tracing.pcd"), HasSubstr("changed since"),
-                             HasSubstr("regenerate")));
+                             HasSubstr("scanmill verify")));
 }
 
 TEST_F(Exports, WhatDoesNotFitLeavesNoFile) {

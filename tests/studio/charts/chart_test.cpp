@@ -172,17 +172,6 @@ TEST(Chart, BarsAreAsLongAsTheirValues) {
   EXPECT_LT(numberOf(bars[3], "x"), numberOf(bars[1], "x"));
 }
 
-TEST(Chart, ErrorBarsReachFromLowToHigh) {
-  Chart chart = dotted({{1, 5}, {2, 5}});
-  chart.series[0].spans = {{0, 10}, {kNaN, 10}};
-  const std::string svg = drawSvg(chart);
-  const std::vector<SvgElement> spans = elementsOf(svg, "span");
-  ASSERT_EQ(spans.size(), 1u);
-  const std::string& d = spans[0].attributes.at("d");  // Mx,lowVhigh...
-  EXPECT_NEAR(std::stod(d.substr(d.find(',') + 1)), tickPlace(svg, "0", "end"), kPixels);
-  EXPECT_NEAR(std::stod(d.substr(d.find('V') + 1)), tickPlace(svg, "10", "end"), kPixels);
-}
-
 TEST(Chart, SeriesOfOneNameAndColourShareALegendEntry) {
   Chart chart = dotted({{1, 1}, {2, 2}});
   chart.series.push_back({.name = "s", .mark = ChartMark::Line, .points = {{1, 1}, {2, 2}}});

@@ -78,7 +78,7 @@ void DrawnSensors::checkCases() const {
       throw InputError(
           written_.effects.where,
           "the random effects of '{1}' change {0}, but all scans of a dataset must agree in this: make all "
-          "choices agree, or make a dataset of each with --sweep",
+          "choices agree, or make a dataset of each",
           sameRays ? "the existence or the unit of its intensity" : "the number of rays per beam",
           Fields(written_.descriptions[s], "sensor").text("model", fmt::format("sensor {}", s)));
     }

@@ -361,8 +361,8 @@ std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::files
   DatasetFolder::tidy(folder);
   for (const ShardRecord& shard : manifest.shards) {
     if (std::filesystem::file_size(folder / shard.file, failure) == shard.bytes) continue;
-    throw InputError({folder.string()}, "{} is missing or damaged: `scanmill regenerate {}` makes it again", shard.file,
-                     folder.string());
+    throw InputError({folder.string()}, "{} is missing or damaged: `scanmill verify {}` says how to make it again",
+                     shard.file, folder.string());
   }
   return manifest;
 }

@@ -81,11 +81,4 @@ struct GenerateSummary {
 // uninterrupted run (see dataset_folder.h).
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options);
 
-// Recreates the shards with these indices and the files that describe their samples, then replaces them in `folder`.
-// `manifest`: from readManifest(), also if files of the dataset are damaged. `plan`: from planOfDataset(). Throws Error
-// and replaces nothing if new bytes differ from the hash in the manifest (the program or a file that the pipeline names
-// has changed), or once `*stop` is true (`stop` may be null).
-void regenerateShards(const std::filesystem::path& folder, Manifest manifest, const Plan& plan,
-                      const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop);
-
 }  // namespace scanmill

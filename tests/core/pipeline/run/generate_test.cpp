@@ -90,11 +90,10 @@ TEST_F(GenerateTest, TheManifestAndTheSummaryTellWhatWasMade) {
   for (const char* stage : {"setup", "trace", "effects", "encode", "write"}) EXPECT_GT(s.stages.at(stage), 0) << stage;
 }
 
-TEST_F(GenerateTest, ACardAndMetadataStandBesideTheManifest) {
+TEST_F(GenerateTest, ACardStandsBesideTheManifest) {
   const Manifest m = sound({"about={license: CC-BY-4.0, creator: Some Body, description: A yard}"});
   EXPECT_EQ(m.about.size(), 3u);
   EXPECT_EQ(readFile(out() / kCardName), cardText(m));
-  EXPECT_EQ(readFile(out() / kCroissantName), croissantJson(m));
   EXPECT_THAT(readFile(out() / kCardName), HasSubstr("A yard."));
   run({}, "out", true);
   EXPECT_THAT(readFile(out() / kCardName), HasSubstr("License: not stated"));
