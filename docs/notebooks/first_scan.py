@@ -5,19 +5,12 @@
 # with the noise-free truth. It takes a few seconds, and needs the program `scanmill`, its Python package and
 # matplotlib.
 # %%
-import subprocess
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 import scanmill
 from IPython.display import Image
 
 plt.rcParams.update({"figure.dpi": 80, "axes.spines.top": False, "axes.spines.right": False})
-
-
-def run(*command):
-    print(subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip())
 
 
 # %% [markdown]
@@ -27,26 +20,25 @@ def run(*command):
 # roof of a car drives through the town of seed 3; another seed is another town. `effects` is the noise: `sensor` are
 # the effects that the file of the HDL-64E lists. [The keys](../keys.md) have all settings.
 # %%
-Path("drive.yaml").write_text("""
-scenes: [{scene: town, seeds: [3]}]
-trajectories: [{name: drive, along: turns, speed: 9, every_m: 14, frames: 3}]
-sensors: [{name: top, preset: hdl_64e, mount: {position: [0, 0, 1.73]}}]
-vehicle: {scene: vehicle, returns: drop}   # the car hides a part of the lowest rings
-motion: per_column                         # the car drives during a revolution
-method: ray_tracing
-effects: [sensor, reflectance_variation]
-output: {objects: true, formats: [pcd]}
-""")
-run("scanmill", "generate", "drive.yaml", "-o", "noisy", "--quiet")
+drive = {
+    "scenes": [{"scene": "town", "seeds": [3]}],
+    "trajectories": [{"name": "drive", "along": "turns", "speed": 9, "every_m": 14, "frames": 3}],
+    "sensors": [{"name": "top", "preset": "hdl_64e", "mount": {"position": [0, 0, 1.73]}}],
+    "vehicle": {"scene": "vehicle", "returns": "drop"},  # the car hides a part of the lowest rings
+    "motion": "per_column",  # the car drives during a revolution
+    "method": "ray_tracing",
+    "effects": ["sensor", "reflectance_variation"],
+    "output": {"objects": True, "formats": ["pcd"]},
+}
+dataset = scanmill.generate(drive, "noisy", quiet=True)
 
 # %% [markdown]
 # ## Look at it
 #
-# `scanmill view noisy` opens a window; with `--screenshot` it writes a picture and needs no display. Colours are
-# classes, and boxes state which part of an object the sensor sees.
+# The command `scanmill view noisy` opens a window; `picture` needs no display. Colours are classes, and boxes state
+# which part of an object the sensor sees.
 # %% tags=["thumbnail"]
-run("scanmill", "view", "noisy", "--screenshot", "town.png", "--size", "840x470")
-Image("town.png")
+Image(scanmill.picture(dataset, "town.png", size="840x470"))
 
 # %% [markdown]
 # ## Read it
@@ -55,7 +47,6 @@ Image("town.png")
 # (m, x forward, y left, z up) there are the class, the object, the intensity, the ring and column of the beam, and
 # the time.
 # %%
-dataset = scanmill.open("noisy")
 scan = dataset[1].scan()
 print(f"{len(dataset)} samples, about {len(scan) / 1000:.0f} thousand points in the second one")
 for name in ("xyz", *scan.names):
@@ -126,8 +117,7 @@ plt.show()
 # Noise never moves a beam: the same pipeline without effects is the noise-free reference, and ring and column match the
 # two beam by beam. A real beam is wide, though (`footprint`), and may report another surface than its middle ray hits.
 # %%
-run("scanmill", "generate", "drive.yaml", "-o", "exact", "--quiet", "--set", "effects=null")
-exact = scanmill.open("exact")[1].scan()
+exact = scanmill.generate(drive, "exact", set={"effects": None}, quiet=True)[1].scan()
 
 beams, exact_beams = (s.ring.astype(int) * s.columns + s.column for s in (scan, exact))
 _, rows, exact_rows = np.intersect1d(beams, exact_beams, return_indices=True)

@@ -5,8 +5,6 @@
 # the program, shows what a beam of finite width does at edges, moves an object from scan to scan, and labels an OBJ
 # file by rules. No dataset is written: scans are numpy arrays in memory.
 # %%
-import subprocess
-
 import matplotlib.pyplot as plt
 import numpy as np
 import scanmill
@@ -76,15 +74,13 @@ for name, thing in hall.objects().items():
     print(f"{name}: at {thing.pose[:3, 3].tolist()} m, instances {thing.instances}")
 
 # %% [markdown]
-# The viewer of the program reads tables: a scan with its labels becomes a picture in a few lines. (Datasets are written
-# by `scanmill generate`.)
+# The viewer of the program reads tables: a scan with its labels becomes a picture in a few lines. (A dataset of such
+# scans is written by `scanmill.DatasetWriter`.)
 # %%
 table = scan.points(["x", "y", "z", "label"])
 np.savetxt("hall.csv", table, fmt="%.6g", delimiter=",", header="x,y,z,label", comments="")
-view = ["scanmill", "view", "hall.csv", "--ontology", "scanmill", "--camera=14,26,17,2.5,0,-0.5", "--point-size", "2"]
-view += ["--hide", "structure", "--size", "840x420", "--screenshot", "hall.png"]
-subprocess.run(view, check=True, capture_output=True)
-Image("hall.png")
+looks = {"camera": "14,26,17,2.5,0,-0.5", "point_size": 2, "hide": "structure", "size": "840x420"}
+Image(scanmill.picture("hall.csv", "hall.png", ontology="scanmill", **looks))
 
 # %% [markdown]
 # ## Compare sensors
@@ -164,11 +160,11 @@ plt.show()
 # A scene file places files of meshes, and its rules say which class and material each part has, by the part's name,
 # material, size or place. This example comes with the program: a hall in an OBJ file.
 # %%
-subprocess.run(["scanmill", "example", "your_meshes"], check=True, capture_output=True)
-print(open("your_meshes.scene.yaml").read())
+example = f"{scanmill.resource_folder}/pipelines/examples/your_meshes.scene.yaml"
+print(open(example).read())
 
 # %%
-files = scanmill.load_scene("your_meshes.scene.yaml")
+files = scanmill.load_scene(example)
 scan = files.scan(mine, {"position": [-6, 1, 0]})
 for label, count in zip(*np.unique(scan.label, return_counts=True)):
     print(f"{files.ontology.name_of(label):8} {count / len(scan):4.0%}")

@@ -20,7 +20,8 @@
 #include "config/fields.h"
 #include "dataset/json_text.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/run/run_shot.h"
+#include "pipeline/run/dataset_writer.h"
+#include "pipeline/run/sample_maker.h"
 #include "python/arrays.h"
 #include "scene/builder.h"
 
@@ -48,6 +49,17 @@ struct ArrayPart {
 struct SimulatedScan {
   Scan scan;
   std::vector<Pose> worldFromSensor;  // sensor pose at each step of the revolution
+};
+
+struct SimulatedFrame {
+  std::vector<SimulatedScan> scans;  // one per sensor; empty: an earlier run of the loop has written the sample
+  std::string objects;               // the list of objects as JSON; empty if the pipeline does not ask for objects
+};
+
+// The dataset that a scan becomes a sample of.
+struct Target {
+  DatasetWriter* writer = nullptr;  // null: none
+  std::string drive, split;
 };
 
 // States where an object of the scene is at the start of a scan, and how it moves during the scan.
@@ -151,11 +163,9 @@ class Simulator {
                       "objects with their poses",
                       method.name, firstMethodThat(&MethodCapabilities::moving).name));
     }
-    scene_ = source_.load(0);
-    method_ = source_.method(scene_);
-    plan_.checkMemory(method_->memoryBytes(), "the scene");
-    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-      const std::string& name = scene_.instances[i].name;
+    loadScene(source_, 0, ready_);
+    for (std::uint32_t i = 0; i < scene().instances.size(); ++i) {
+      const std::string& name = scene().instances[i].name;
       instances_[name].push_back(i);
       if (const std::size_t copy = name.rfind('#'); copy != std::string::npos)
         copies_[name.substr(0, copy)].push_back(i);
@@ -164,13 +174,24 @@ class Simulator {
 
   // Returns one scan per sensor: the scan that `scanmill generate` makes with this pipeline in the frame `frame`, if
   // the vehicle has the same poses, and all objects have the scene's poses and stand still during the revolution.
-  // Throws InputError for an unknown object.
-  std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const {
-    std::vector<SimulatedScan> scans;
-    const std::shared_ptr<const FrameSettings> settings = source_.settings(0, simulated.frame);
+  // If there is a target, the frame is its next one. Throws InputError for an unknown object.
+  SimulatedFrame scan(const SimulatedShot& simulated, const Target& target) const {
+    Sequence sequence = plan_.pipeline.sequences.front();
+    DatasetWriter* const writer = target.writer;
+    if (writer != nullptr) {
+      sequence.trajectoryName = keyPart(target.drive);
+      sequence.split = target.split;
+    }
+    Frame frame = source_.frame(0, 0);
+    frame.number = writer == nullptr ? simulated.frame : writer->framesOf(sequence);
+    frame.time = simulated.time;
+    const std::shared_ptr<const FrameSettings> settings = source_.settings(0, frame.number);
+    frame.settings = settings;
     const std::shared_ptr<const Placements> placed = placementsOf(simulated);
-    for (Shot& shot : source_.frame(0, 0).shots) {
-      shot.frame = simulated.frame;
+    for (Shot& shot : frame.shots) {
+      shot.frame = frame.number;
+      shot.sample = sequence.key(frame.number);
+      if (writer != nullptr) shot.scene = writer->indexOf(sequence);
       shot.time = simulated.time;
       shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, simulated.time);
       if (simulated.moving) shot.duration = shot.beams->columnPeriod() * shot.beams->columns;
@@ -180,12 +201,18 @@ class Simulator {
         shot.worldFromSensor.push_back(worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor);
       }
       shot.sensorVelocity = velocitiesOf(shot.worldFromSensor, shot.beams->columnPeriod() * shot.beams->columns);
-      ShotBuffers buffers;
-      StageClock clock({"trace", "effects"});
-      runShot(setupOf(plan_, *settings, scene_, *method_, shot.sensor), shot, buffers, clock);
-      scans.push_back({std::move(buffers.scan), std::move(shot.worldFromSensor)});
     }
-    return scans;
+    if (writer != nullptr && writer->hasNext(source_, sequence, frame)) return {};
+    ShotBuffers buffers;
+    StageClock clock;
+    SimulatedFrame made;
+    const auto take = [&](const Shot& shot, ShotBuffers& traced) {
+      made.scans.push_back({std::move(traced.scan), shot.worldFromSensor});
+    };
+    MadeSample sample = makeSample(plan_, ready_, sequence, frame, {buffers, clock, take, writer != nullptr});
+    if (sample.sample.objects) made.objects = sample.sample.files.front().bytes;
+    if (writer != nullptr) writer->add(source_, sequence, std::move(sample));
+    return made;
   }
 
   // Returns the objects of the scene, by their names, at a time (s since the drive began).
@@ -193,11 +220,11 @@ class Simulator {
     std::unordered_map<std::string, SceneObject> objects;
     for (const auto& [name, indices] : instances_) {
       SceneObject& object = objects[name];
-      object.worldFromObject = rigidPartOf(scene_.instances[indices.front()].worldFromMeshAt(time));
+      object.worldFromObject = rigidPartOf(scene().instances[indices.front()].worldFromMeshAt(time));
       for (const std::uint32_t index : indices) {
-        const Instance& instance = scene_.instances[index];
+        const Instance& instance = scene().instances[index];
         object.moves |= instance.moves();
-        for (std::uint32_t k = 1; k <= scene_.meshes[instance.mesh].objects; ++k) {
+        for (std::uint32_t k = 1; k <= scene().meshes[instance.mesh].objects; ++k) {
           object.things.push_back(instanceId(instance.firstInstanceId, k));
         }
       }
@@ -208,7 +235,7 @@ class Simulator {
   }
 
   const Plan& plan() const { return plan_; }
-  const Scene& scene() const { return scene_; }
+  const Scene& scene() const { return ready_.scene; }
 
  private:
   // Returns the indices of the instances called `name`, or else of its copies NAME#1, ...; throws InputError if none.
@@ -229,13 +256,13 @@ class Simulator {
       const std::vector<std::uint32_t>& instances = instancesOf(object.name);
       Affine moved;  // from the object's pose in the scene to its pose in the shot
       if (object.worldFromObject) {
-        const Affine inScene = scene_.instances[instances.front()].worldFromMeshAt(simulated.time);
+        const Affine inScene = scene().instances[instances.front()].worldFromMeshAt(simulated.time);
         moved = *object.worldFromObject * inverse(rigidPartOf(inScene));
       }
       for (const std::uint32_t index : instances) {
         RigidMotion motion;
         motion.hidden = !object.worldFromObject;
-        motion.worldFromMesh = moved * scene_.instances[index].worldFromMeshAt(simulated.time);
+        motion.worldFromMesh = moved * scene().instances[index].worldFromMeshAt(simulated.time);
         motion.turning = object.turning;
         if (!motion.hidden) {
           const Vec3d lever = motion.worldFromMesh.translation - object.worldFromObject->translation;
@@ -249,8 +276,7 @@ class Simulator {
 
   Plan plan_;
   mutable ShotSource source_;  // its functions may be called from any thread
-  Scene scene_;
-  std::unique_ptr<Method> method_;
+  ReadyScene ready_;
   // Indices of instances: by their name, and for the copies NAME#1, NAME#2, ... by NAME.
   std::unordered_map<std::string, std::vector<std::uint32_t>> instances_, copies_;
 };
@@ -314,26 +340,27 @@ std::vector<Pose> posesOf(const Array<double>& rows) {
   return poses;
 }
 
-// Returns a dictionary of arrays for each sensor. `poses`: an array for each sensor, see posesOf(). For the other
-// parameters see objectPosesOf() and SimulatedShot.
-py::list simulate(const Simulator& simulator, const std::vector<Array<double>>& poses, double time, std::uint32_t frame,
-                  const std::vector<std::string>& names, const Array<double>& matrices, const Array<double>& velocities,
-                  const Array<bool>& hidden, bool moving) {
+// Returns a dictionary of arrays for each sensor, and the list of objects as JSON. `poses`: an array for each sensor,
+// see posesOf(). For the other parameters see objectPosesOf(), SimulatedShot and Target.
+py::tuple simulate(const Simulator& simulator, const std::vector<Array<double>>& poses, double time,
+                   std::uint32_t frame, const std::vector<std::string>& names, const Array<double>& matrices,
+                   const Array<double>& velocities, const Array<bool>& hidden, bool moving, DatasetWriter* writer,
+                   const std::string& drive, const std::string& split) {
   SimulatedShot shot{
       .time = time, .frame = frame, .objects = objectPosesOf(names, matrices, velocities, hidden), .moving = moving};
   for (const Array<double>& rows : poses) shot.worldFromVehicle.push_back(posesOf(rows));
-  std::vector<SimulatedScan> scans;
+  SimulatedFrame made;
   {
     const py::gil_scoped_release released;
-    scans = simulator.scan(shot);
+    made = simulator.scan(shot, {writer, drive, split});
   }
   py::list scansOfSensors;
-  for (SimulatedScan& simulated : scans) {
+  for (SimulatedScan& simulated : made.scans) {
     py::dict arrays = arraysOf(std::move(simulated.scan));
     arrays["world_from_sensor"] = matricesOf(simulated.worldFromSensor);
     scansOfSensors.append(std::move(arrays));
   }
-  return scansOfSensors;
+  return py::make_tuple(scansOfSensors, made.objects);
 }
 
 }  // namespace
@@ -373,7 +400,14 @@ void defineSimulator(py::module_& module) {
           },
           py::arg("time") = 0.0)
       .def("scan", &simulate, py::arg("poses"), py::arg("time"), py::arg("frame"), py::arg("names"),
-           py::arg("matrices"), py::arg("velocities"), py::arg("hidden"), py::arg("moving"));
+           py::arg("matrices"), py::arg("velocities"), py::arg("hidden"), py::arg("moving"),
+           py::arg("writer") = nullptr, py::arg("drive") = "", py::arg("split") = "");
+  py::class_<DatasetWriter>(module, "DatasetWriter")
+      .def(py::init([](const std::string& folder, bool overwrite, bool resume, std::uint64_t shardSamples) {
+        const FolderUse use = resume ? FolderUse::Resume : overwrite ? FolderUse::Replace : FolderUse::New;
+        return std::make_unique<DatasetWriter>(DatasetWriter::Options{folder, use, shardSamples});
+      }))
+      .def("finish", [](DatasetWriter& writer) { writer.finish(); });
 }
 
 }  // namespace scanmill

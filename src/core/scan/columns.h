@@ -232,6 +232,15 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .low = -1e4,
      .high = 1e4,
      .display = {.unit = "m/s", .decimals = 3}},
+    {.name = "normal",
+     .type = ColumnType::UInt32,
+     .meaning =
+         "unit normal of the surface, turned towards the sensor, along the axes of the points, octahedral (x in the "
+         "low 16 bits, exact to 0.004 deg; `Scan.normals` in Python); 0: a mirror image, the own vehicle, or no "
+         "surface",
+     .channels = Channel::Normal,
+     .byDefault = false,
+     .display = {.colors = ColumnColors::Instances}},
 });
 
 inline constexpr std::size_t kColumnCount = kColumns.size();

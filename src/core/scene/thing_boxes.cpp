@@ -45,8 +45,17 @@ Quat rotationOf(const Mat3& linear) {
   return fromMatrix({x, cross(z, x), z});
 }
 
-// Returns the transform from the instance's pose at time 0 to its pose at `time`, in the world's frame.
-Pose motion(const Instance& instance, double time) {
+const RigidMotion* placementOf(std::uint32_t instance, const Placements* placed) {
+  return placed == nullptr ? nullptr : placed->find(instance);
+}
+
+// Returns the transform from the pose of an instance at time 0 to its pose at `time`, in the world's frame.
+Pose motion(const Scene& scene, std::uint32_t index, double time, const Placements* placed) {
+  const Instance& instance = scene.instances[index];
+  if (placementOf(index, placed) != nullptr) {
+    const Affine moved = worldFromMeshAt(instance, index, placed, time) * inverse(instance.worldFromMesh);
+    return {fromMatrix(moved.linear), moved.translation};
+  }
   if (instance.movement == nullptr) return {};
   return instance.movement->at(time) * inverse(instance.movement->at(0));
 }
@@ -209,17 +218,23 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     things_.push_back(builder.thingOf(id, parts));
     const Pose worldFromThing = builder.worldFromThing(things_.back(), parts);
     for (Part& part : parts) builder.addBoxes(worldFromThing, part);
-    placed_.push_back({worldFromThing, std::move(parts)});
+    shapes_.push_back({worldFromThing, std::move(parts)});
   }
 }
 
-OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
-  const Placed& placed = placed_[thing];
-  const Instance& main = scene_.instances[placed.parts.front().instance];
-  const Pose worldFromThing = motion(main, time) * placed.worldFromThing;
+const RigidMotion* ThingBoxes::placement(std::size_t thing, const Placements* placed) const {
+  return placementOf(shapes_[thing].parts.front().instance, placed);
+}
+
+OrientedBox ThingBoxes::at(std::size_t thing, double time, const Placements* placed) const {
+  const Shape& shape = shapes_[thing];
+  const std::uint32_t main = shape.parts.front().instance;
+  const Pose worldFromThing = motion(scene_, main, time, placed) * shape.worldFromThing;
   Box box;
-  for (const Part& part : placed.parts) {
+  for (const Part& part : shape.parts) {
     const Instance& instance = scene_.instances[part.instance];
+    const RigidMotion* const placement = placementOf(part.instance, placed);
+    if (placement != nullptr && placement->hidden) continue;
     std::size_t boxIndex = 0;
     if (instance.animation != nullptr) {
       const auto& meshes = instance.animation->meshes;
@@ -227,23 +242,28 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
     }
     const Box& partBox = part.boxes[boxIndex];
     if (partBox.empty()) continue;
-    if (instance.movement == main.movement) {
+    const bool movesWithMain = placement == nullptr && placementOf(main, placed) == nullptr &&
+                               instance.movement == scene_.instances[main].movement;
+    if (part.instance == main || movesWithMain) {
       box.add(partBox);
       continue;
     }
     // This part moves differently from the first part, so the corners of its moved box are added.
-    const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * placed.worldFromThing;
+    const Pose thingFromStart =
+        inverse(worldFromThing) * motion(scene_, part.instance, time, placed) * shape.worldFromThing;
     for (const Vec3d& corner : partBox.corners()) box.add(thingFromStart * corner);
   }
   return {worldFromThing * Pose{{}, box.center()}, box.high - box.low};
 }
 
-Vec3d ThingBoxes::velocity(std::size_t thing, double time) const {
+Vec3d ThingBoxes::velocity(std::size_t thing, double time, const Placements* placed) const {
   constexpr double kStep = 0.005;  // s; the velocity is measured over this time before and after `time`
-  const Placed& placed = placed_[thing];
-  const Instance& main = scene_.instances[placed.parts.front().instance];
-  if (main.movement == nullptr) return {};
-  const auto positionAt = [&](double atTime) { return (motion(main, atTime) * placed.worldFromThing).translation; };
+  const Shape& shape = shapes_[thing];
+  const std::uint32_t main = shape.parts.front().instance;
+  if (scene_.instances[main].movement == nullptr && placementOf(main, placed) == nullptr) return {};
+  const auto positionAt = [&](double atTime) {
+    return (motion(scene_, main, atTime, placed) * shape.worldFromThing).translation;
+  };
   const double start = std::max(time - kStep, 0.0);
   return (positionAt(time + kStep) - positionAt(start)) * (1 / (time + kStep - start));
 }

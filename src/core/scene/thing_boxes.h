@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "scene/placements.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -47,10 +48,13 @@ class ThingBoxes {
   // Returns the things in ascending order of their ids.
   const std::vector<Thing>& things() const { return things_; }
   // Returns the box of a thing at a time (s since the drive began), in the shape that an animated thing has at that
-  // time. `thing`: an index into things().
-  OrientedBox at(std::size_t thing, double time) const;
+  // time. `thing`: an index into things(). `placed`: see Shot::placed; parts that the shot leaves out are not in the
+  // box.
+  OrientedBox at(std::size_t thing, double time, const Placements* placed = nullptr) const;
   // Returns the velocity of the thing's frame over ground (m/s, world axes), without the motion that an animation adds.
-  Vec3d velocity(std::size_t thing, double time) const;
+  Vec3d velocity(std::size_t thing, double time, const Placements* placed = nullptr) const;
+  // Returns the placement of the thing's first part in a shot; null if the part is where the scene has it.
+  const RigidMotion* placement(std::size_t thing, const Placements* placed) const;
 
  private:
   // A part of a thing: one object of one instance.
@@ -59,7 +63,7 @@ class ThingBoxes {
     std::uint32_t object = 0;    // see Surface::object
     std::vector<Box> boxes{};    // m, in the thing's frame at time 0; one per mesh of an animation, else one
   };
-  struct Placed {
+  struct Shape {
     Pose worldFromThing;      // pose at time 0
     std::vector<Part> parts;  // the thing has the axes of the first part
   };
@@ -68,7 +72,7 @@ class ThingBoxes {
 
   const Scene& scene_;
   std::vector<Thing> things_;
-  std::vector<Placed> placed_;  // by index in things_
+  std::vector<Shape> shapes_;  // by index in things_
 };
 
 }  // namespace scanmill

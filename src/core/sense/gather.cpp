@@ -332,6 +332,8 @@ class Gathering {
       });
     } else if constexpr (name == "radial_velocity") {
       putRadialVelocities(values);
+    } else if constexpr (name == "normal") {
+      putNormals(values);
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {
         const Vec3d p = positionOf(hit);
@@ -362,10 +364,8 @@ class Gathering {
   void putRadialVelocities(std::vector<float>& values) {
     put(values, [&](std::size_t k) {
       const std::uint32_t hit = points_.hit[k];
-      const Reason cause = returns_.cause(points_.row[k]);
-      if (cause == Reason::EgoVehicle) return 0.0f;
-      const bool direct = cause == Reason::Surface || cause == Reason::ThroughGlass;
-      if (hit == kNoHit || !direct) return std::numeric_limits<float>::quiet_NaN();
+      if (returns_.cause(points_.row[k]) == Reason::EgoVehicle) return 0.0f;
+      if (!hitsDirectly(k)) return std::numeric_limits<float>::quiet_NaN();
       const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[k]);
       const Pose& worldFromSensor = shot_.worldFromSensor[step];
       Vec3d relativeVelocity;
@@ -387,11 +387,41 @@ class Gathering {
       const Pose& worldFromSensor =
           shot_.worldFromSensor[shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[k])];
       const double time = shot_.duration > 0 ? double{beams_.time[points_.beam[k]]} : 0;
-      const Vec3d worldVector = vectorAt(hit, worldFromSensor * positionOf(hit), time);
-      const Pose& worldFromPoints = shot_.deskew ? shot_.worldFromSensor.front() : worldFromSensor;
-      const Vec3d inPointFrame = transposed(toMatrix(worldFromPoints.rotation)) * worldVector;
+      const Vec3d inPointFrame = alongPoints(k, vectorAt(hit, worldFromSensor * positionOf(hit), time));
       return static_cast<float>(axis == 'x' ? inPointFrame.x : axis == 'y' ? inPointFrame.y : inPointFrame.z);
     });
+  }
+
+  // Writes the normals of the surfaces, octahedral with 16 bits a component (Cigolle et al., "A survey of efficient
+  // representations for independent unit vectors", Journal of Computer Graphics Techniques 3 (2014)).
+  void putNormals(std::vector<std::uint32_t>& values) {
+    put(values, [&](std::size_t k) {
+      if (!hitsDirectly(k)) return std::uint32_t{0};
+      const Vec3d n = alongPoints(k, Vec3d(hits_.normal[points_.hit[k]]));
+      const double sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+      double u = n.x / sum, v = n.y / sum;
+      if (n.z < 0) {
+        const double foldedU = (1 - std::abs(v)) * (u < 0 ? -1 : 1);
+        v = (1 - std::abs(u)) * (v < 0 ? -1 : 1);
+        u = foldedU;
+      }
+      const auto coded = [](double c) { return static_cast<std::uint32_t>(std::lround((c + 1) * 32767)) + 1; };
+      return coded(u) | coded(v) << 16;
+    });
+  }
+
+  // Returns true if a point lies on a surface that its beam hits without a mirror, or through glass. The normal of a
+  // mirror is not known here, and the own vehicle's hits are along the vehicle's axes.
+  bool hitsDirectly(std::size_t k) const {
+    const Reason cause = returns_.cause(points_.row[k]);
+    return points_.hit[k] != kNoHit && (cause == Reason::Surface || cause == Reason::ThroughGlass);
+  }
+
+  // Returns a vector in world axes along the axes of the frame in which a point of the tile is given.
+  Vec3d alongPoints(std::size_t k, const Vec3d& worldVector) const {
+    const bool isFirst = shot_.deskew || shot_.worldFromSensor.size() == 1;
+    const Pose& worldFromPoints = shot_.worldFromSensor[isFirst ? 0 : shot_.stepOf(points_.column[k])];
+    return transposed(toMatrix(worldFromPoints.rotation)) * worldVector;
   }
 
   // Returns the noise-free position of a hit (m) in the sensor's frame at the time of firing.

@@ -20,7 +20,7 @@ from ._core import Error, InputError, __version__, resource_folder, set_input_li
 from .batch import pad_batch
 from .dataset import Dataset, Sample, decode, open_dataset as open
 from .geometry import points_in_box, pose_matrix
-from .make import export, generate, plan, verify
+from .make import export, generate, picture, plan, verify
 from .objects import Objects
 from .ontology import Ontology
 from .passes import PassWriter
@@ -28,9 +28,11 @@ from .range_image import Projection, beam_projection, range_image, spherical_pro
 from .samples import SampleReader
 from .scan import Scan, Stagger
 from .simulate import Scene, SceneObject, load_scene, sensor
+from .writer import DatasetWriter
 
 __all__ = [
     "Dataset",
+    "DatasetWriter",
     "Error",
     "InputError",
     "Objects",
@@ -51,6 +53,7 @@ __all__ = [
     "load_scene",
     "open",
     "pad_batch",
+    "picture",
     "plan",
     "points_in_box",
     "pose_matrix",

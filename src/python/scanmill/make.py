@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import pathlib
+import subprocess
 import sys
 import time
 import warnings
@@ -80,6 +82,28 @@ def export(
 def verify(dataset: Path | Dataset, *, quiet: bool = False) -> list[str]:
     """Checks every byte of a dataset, and returns the problems, a line each; an empty list if it is sound."""
     return _finished(_core.verify(_folder(dataset)), "verify", quiet)
+
+
+def picture(what: Path | Dataset, out: Path, **options: str | float | bool | Sequence[str]) -> str:
+    """Writes a picture of a dataset, a scan or a scene to the file `out` (PNG), and returns its path.
+
+        scanmill.picture("out/quickstart", "town.png", size="1280x720", hide=["road", "sidewalk"], bare=True)
+
+    `options`: those of `scanmill view`, with "_" for "-"; a list repeats an option. It runs the program of the wheel, else
+    the one that the variable SCANMILL names, else the shell's; no display is needed. Raises InputError as the command does."""
+    bundled = (pathlib.Path(__file__).parent / "bin" / "scanmill").exists()
+    program = [sys.executable, "-m", "scanmill"] if bundled else [os.environ.get("SCANMILL", "scanmill")]
+    command = [*program, "view", _folder(what), "--screenshot", os.path.abspath(out)]
+    for name, value in options.items():
+        for one in [value] if isinstance(value, (str, float, int)) else value:
+            command.append(f"--{name.replace('_', '-')}" + ("" if one is True else f"={one}"))
+    try:
+        done = subprocess.run(command, capture_output=True, text=True)
+    except FileNotFoundError:
+        raise InputError("picture() runs the program `scanmill`, which is not installed here") from None
+    if done.returncode != 0:
+        raise InputError(done.stderr.strip().removeprefix("error: "))
+    return os.path.abspath(out)
 
 
 def _folder(dataset: Path | Dataset) -> str:

@@ -78,6 +78,7 @@ class Scan:
                          or the pose of each column; None if unknown
       rings, columns     numbers of the sensor's rings and columns; 0 if unknown
       stagger            a Stagger, for range images; None if unknown
+      objects            the Objects of Scene.scan(boxes=True); absent otherwise (datasets: Sample.objects())
     """
 
     def __init__(
@@ -123,6 +124,18 @@ class Scan:
     def range(self) -> NDArray[np.float32]:
         """Distances (...) of the points from the sensor's origin, m."""
         return channel(self._arrays, "range")
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """Unit normals of the surfaces, turned towards the sensor, float32 (..., 3) along the axes of `xyz`, decoded from
+        the column `normal`; NaN where the column is 0."""
+        coded = self["normal"]
+        u, v = ((coded >> shift & 0xFFFF) / 32767.0 - (1 + 1 / 32767) for shift in (0, 16))
+        z = 1 - abs(u) - abs(v)
+        fold = np.maximum(-z, 0)
+        vectors = np.stack([u - np.copysign(fold, u), v - np.copysign(fold, v), z], axis=-1)
+        vectors[coded == 0] = np.nan
+        return (vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)).astype(np.float32)
 
     @property
     def world_from_sensor(self) -> NDArray[np.float64] | None:

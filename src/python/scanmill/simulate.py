@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._core import InputError, Simulator
 from .geometry import Pose, between, pose_matrix, quaternion_of, require_rigid
 from .dataset import Path
+from .objects import Objects
 from .ontology import Ontology
 from .parts import Part, part_of
 from .scan import Scan, Stagger
@@ -170,6 +171,8 @@ class Scene:
         poses: Mapping[str, Optional[Pose]] | None = None,
         velocities: Mapping[str, ArrayLike] | None = None,
         pose_times: ArrayLike | None = None,
+        boxes: bool = False,
+        vehicle: Path | Mapping[str, Any] | None = None,
     ) -> Any:
         """Scans one revolution of a sensor and returns a Scan. If `sensor` is a list, returns a list of Scans in its
         order.
@@ -192,34 +195,54 @@ class Scene:
                    revolution, a point at the distance d from its origin is off its arc by up to d * a * a / 8. With
                    velocities or several poses of the vehicle, the scene's own objects move during the revolution too
         pose_times (n,) s after `time`, ascending, from 0 or less to the end of the revolution or more
+        boxes      True: `scan.objects` has the boxes and visibility of the objects within the sensor's range (Objects)
+        vehicle    the scene file of the vehicle that carries the sensors, "vehicle" for the program's own, or a map as
+                   in pipelines: its surfaces block beams, and give returns with the cause 5 (column `cause`)
 
-        The first scan with a new combination of sensors, method, effects, columns, seed and layout loads the scene and
-        sets up the method, which takes seconds for large scenes; so does the first one with `poses`, after which
-        placing objects costs milliseconds. The four combinations that were used last are cached.
+        The first scan with a new combination of sensors, method, effects, columns, seed, layout, boxes and vehicle
+        loads the scene and sets up the method, which takes seconds for large scenes; so does the first one with
+        `poses`, after which placing objects costs milliseconds. The four combinations that were used last are cached.
         Raises InputError for errors in the arguments and in the scene's file.
         """
         single = isinstance(sensor, (str, Mapping))
-        sensors = [sensor] if single else list(sensor)  # type: ignore[list-item,arg-type]
+        pipeline = self._pipeline(sensor, method, effects, columns, seed, organised, {"objects": boxes}, vehicle)
+        scans = self._run(pipeline, pose, time, frame, poses, velocities, pose_times)
+        for scan in scans:
+            _require_columns(scan, columns)
+        return scans[0] if single else scans
+
+    def _run(
+        self,
+        pipeline: str,
+        pose: Pose | Sequence[Pose],
+        time: float,
+        frame: int,
+        poses: Mapping[str, Optional[Pose]] | None,
+        velocities: Mapping[str, ArrayLike] | None,
+        pose_times: ArrayLike | None,
+        *target: Any,
+    ) -> list[Scan]:
+        """Returns the scans of a pipeline's sensors; see scan(). `target`: the arguments `writer`, `drive` and `split`
+        of Simulator.scan(). Returns an empty list if the writer has the sample already."""
         if not np.isscalar(time) or isinstance(time, str) or not np.isfinite(time):
             raise InputError(f"time must be a finite number, not {time!r}")
         if not hasattr(frame, "__index__") or not 0 <= operator.index(frame) < 2**32:
             raise InputError(f"frame must be a whole number of at least 0, not {frame!r}")
         placements = _placements(poses, velocities)
-        pipeline = self._pipeline(sensors, method, effects, columns, seed, organised)
         simulator = self._simulator(pipeline, placeable=poses is not None)
         vehicle_poses = [  # by sensor
             _poses_of(pose, pose_times, sensor_columns, duration)
             for _, (_, sensor_columns), _, duration in simulator.sensors
         ]
         moving = any(len(rows) > 1 for rows in vehicle_poses) or bool(velocities)
-        arrays_of_sensors = simulator.scan(vehicle_poses, time, frame, *placements, moving)
-        scans = [
-            self._scan_of(name, size, Stagger(*stagger), duration, arrays, method, time)
+        arrays_of_sensors, objects = simulator.scan(vehicle_poses, time, frame, *placements, moving, *target)
+        listed = json.loads(objects)["objects"] if objects else None
+        method = json.loads(pipeline)["method"]
+        method_name = method if isinstance(method, str) else next(iter(method))
+        return [
+            self._scan_of(name, size, Stagger(*stagger), duration, arrays, method_name, time, listed)
             for (name, size, stagger, duration), arrays in zip(simulator.sensors, arrays_of_sensors)
         ]
-        for scan in scans:
-            _require_columns(scan, columns)
-        return scans[0] if single else scans
 
     @property
     def ontology(self) -> Ontology:
@@ -234,7 +257,7 @@ class Scene:
             return latest
         # Loading needs a sensor; a single beam is the cheapest.
         beam = {"columns": 1, "rate_hz": 10, "elevation_deg": [0], "range_m": [1, 100]}
-        return self._simulator(self._pipeline([beam], "ray_tracing", None, None, 1, False))
+        return self._simulator(self._pipeline(beam, "ray_tracing", None, None, 1, False, {}, None))
 
     def __repr__(self) -> str:
         added = f", {len(self._parts)} added parts" if self._parts else ""
@@ -250,22 +273,26 @@ class Scene:
 
     def _pipeline(
         self,
-        sensors: Sequence[Sensor],
+        sensor: Sensor | Sequence[Sensor],
         method: Method,
         effects: Effects,
         columns: Sequence[str] | None,
         seed: int,
         organised: bool,
+        keys: Mapping[str, Any],
+        vehicle: Path | Mapping[str, Any] | None,
+        name: str = "simulation",
     ) -> str:
         """Returns the text of a pipeline in JSON, which is also YAML. The text is the key of its simulator in the
-        cache."""
+        cache. `keys`: further keys of `output`."""
+        sensors = [sensor] if isinstance(sensor, (str, Mapping)) else list(sensor)
         if not sensors:
             raise InputError("the list of sensors is empty")
-        output: dict[str, Any] = {"layout": "organised" if organised else "dense", "formats": ["pcd"]}
+        output: dict[str, Any] = {"layout": "organised" if organised else "dense", "formats": ["pcd"], **keys}
         if columns is not None:
             output["columns"] = names_in("columns", columns)
         pipeline: dict[str, Any] = {
-            "name": "simulation",
+            "name": name,
             "seed": seed,
             "scenes": [{"scene": self.path, "seeds": [self.seed], "moving": self.moving, "without": self._removed}],
             "trajectories": [{"name": "here", "poses": [{"position": [0, 0, 0]}]}],
@@ -276,6 +303,8 @@ class Scene:
         }
         if self.labels is not None:
             pipeline["labels"] = os.fspath(self.labels)
+        if vehicle is not None:
+            pipeline["vehicle"] = dict(vehicle) if isinstance(vehicle, Mapping) else os.fspath(vehicle)
         try:
             return json.dumps(pipeline, ensure_ascii=False, allow_nan=False, default=_plain)
         except (TypeError, ValueError) as e:
@@ -324,13 +353,14 @@ class Scene:
         stagger: Stagger,
         duration: float,
         arrays: dict[str, Any],
-        method: Method,
+        method: str,
         time: float,
+        listed: list[dict[str, Any]] | None,
     ) -> Scan:
-        return Scan(
+        scan = Scan(
             {key: values for key, values in arrays.items() if key != "world_from_sensor"},
             sensor=name,
-            method=method if isinstance(method, str) else next(iter(method)),
+            method=method,
             start_time=time,
             poses=arrays["world_from_sensor"],
             column_starts=np.arange(size[1]) * (duration / size[1]),
@@ -338,6 +368,9 @@ class Scene:
             columns=size[1],
             stagger=stagger,
         )
+        if listed is not None:
+            scan.objects = Objects(listed, name, arrays["world_from_sensor"][0])
+        return scan
 
 
 def _plain(value: Any) -> Any:

@@ -32,18 +32,19 @@ struct ThingExtent {
   double radius = 0;  // m, radius of a ball around `middle` that contains the box
 };
 
-// Returns the extent of a thing from the time `start` (s) to start + duration. The box has the thing's axes at the
+// Returns the extent of a thing during a shot. The box has the thing's axes at the
 // middle of this time; for a moving thing, the box contains the thing's boxes at start, middle and end.
-ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double start, double duration) {
-  const double middleTime = start + duration / 2;
+ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, const Shot& shot) {
+  const double middleTime = shot.time + shot.duration / 2;
   std::vector<double> times{middleTime};
-  if (boxes.things()[thing].moves && duration > 0) times = {start, middleTime, start + duration};
+  const bool moves = boxes.things()[thing].moves || boxes.placement(thing, shot.placed.get()) != nullptr;
+  if (moves && shot.duration > 0) times = {shot.time, middleTime, shot.time + shot.duration};
   ThingExtent extent;
-  Pose originFromBox = boxes.at(thing, middleTime).worldFromBox;
+  Pose originFromBox = boxes.at(thing, middleTime, shot.placed.get()).worldFromBox;
   originFromBox.translation = originFromBox.translation - world.origin;
   extent.boxFromOrigin = inverse(originFromBox);
   for (const double time : times) {
-    for (const Vec3d& corner : boxes.at(thing, time).corners()) {
+    for (const Vec3d& corner : boxes.at(thing, time, shot.placed.get()).corners()) {
       extent.box.add(extent.boxFromOrigin * (corner - world.origin));
     }
   }
@@ -138,10 +139,11 @@ void thingFilter(const RTCFilterFunctionNArguments* arguments) {
 
 Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
   const BeamTable& beams = *shot.beams;
-  const std::shared_ptr<const World> world = worlds_.near(
-      shot.worldFromSensor.front().translation, farthestEnd(shot, grid.farthestOrigin()), shot.time, shot.duration);
+  const std::shared_ptr<const World> world =
+      worlds_.near(shot.worldFromSensor.front().translation, farthestEnd(shot, grid.farthestOrigin()), shot.time,
+                   shot.duration, shot.placed);
   const ShotFrame frame = frameOf(shot, world->origin);
-  const ThingExtent extent = extentOf(boxes_, thing, *world, shot.time, shot.duration);
+  const ThingExtent extent = extentOf(boxes_, thing, *world, shot);
   const Vec3d axis = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
   const double angle = coneAngle(extent, frame, axis, grid.farthestOrigin()) + kAngleMargin;
 

@@ -89,9 +89,14 @@ std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const
   return grids_.findOrAdd(isOfBeams, kMostGrids, [&] { return grid; }).grid;
 }
 
-ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time)
-    : objects_(objects), key_(std::move(key)), time_(time), views_(objects.boxes().things().size()) {
-  for (std::size_t i = 0; i < views_.size(); ++i) boxes_.push_back(objects.boxes().at(i, time));
+ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time,
+                       std::shared_ptr<const Placements> placed)
+    : objects_(objects),
+      key_(std::move(key)),
+      time_(time),
+      placed_(std::move(placed)),
+      views_(objects.boxes().things().size()) {
+  for (std::size_t i = 0; i < views_.size(); ++i) boxes_.push_back(objects.boxes().at(i, time, placed_.get()));
 }
 
 void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns) {
@@ -99,6 +104,7 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
   const double reach = shot.beams->maxRange + grid->farthestOrigin();
   const std::unordered_map<std::uint32_t, ThingHits> hitThings = hitsByThing(hits, returns, raysPerBeam);
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    if (const auto* placement = objects_.boxes().placement(i, placed_.get()); placement && placement->hidden) continue;
     const auto thingHits = hitThings.find(objects_.boxes().things()[i].id);
     const Vec3d sensor = inverse(boxes_[i].worldFromBox) * shot.worldFromSensor.front().translation;
     const Box extent{boxes_[i].size * -0.5, boxes_[i].size * 0.5};
@@ -109,7 +115,7 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
     // The view's time is the firing time of the middle beam among those that would hit the thing without occlusion.
     const std::uint32_t column = unoccluded.middle % shot.beams->columns;
     view.time = shot.duration > 0 ? shot.time + shot.beams->columnTime(column) : shot.time;
-    const OrientedBox box = objects_.boxes().at(i, view.time);
+    const OrientedBox box = objects_.boxes().at(i, view.time, placed_.get());
     const Pose firingFromBox = inverse(shot.worldFromSensor[shot.stepOf(column)]) * box.worldFromBox;
     view.sensorFromBox = shot.deskew ? inverse(shot.worldFromSensor.front()) * box.worldFromBox : firingFromBox;
     view.beamsAlone = unoccluded.beams;
@@ -130,9 +136,10 @@ SampleObjects ObjectList::finish() const {
     const Thing& thing = objects_.boxes().things()[i];
     std::vector<std::string> parts = thing.parts;
     std::erase(parts, "");
-    listed.objects.push_back({thing.id, thing.semantic, thing.name, std::move(parts), thing.moves,
-                              boxes_[i].worldFromBox, boxes_[i].size, thing.headingKnown,
-                              objects_.boxes().velocity(i, time_), views_[i]});
+    const bool moves = thing.moves || objects_.boxes().placement(i, placed_.get()) != nullptr;
+    listed.objects.push_back({thing.id, thing.semantic, thing.name, std::move(parts), moves, boxes_[i].worldFromBox,
+                              boxes_[i].size, thing.headingKnown, objects_.boxes().velocity(i, time_, placed_.get()),
+                              views_[i]});
   }
   return listed;
 }

@@ -62,6 +62,26 @@ ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   return record;
 }
 
+// Encodes a scan in all formats, and the reasons of its beams if the pipeline asks for them, and adds the results to
+// the sample's files. The scan's record must be the last in `sample.scans`.
+void addFormats(const Pipeline& pipeline, const Scan& scan, Sample& sample) {
+  for (const ChosenFormat& f : pipeline.output.formats) {
+    sample.files.push_back({memberSuffix(sample.scans.back(), f.entry->suffix), f.format->encode(scan)});
+  }
+  if (pipeline.output.layout.reasons) {
+    sample.files.push_back({memberSuffix(sample.scans.back(), kReasonsSuffix),
+                            encodeReasons(scan.reasonOfBeam, scan.rings, scan.columns)});
+  }
+}
+
+void addVoxels(const Pipeline& pipeline, const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers,
+               Sample& sample) {
+  VoxelLabels labels = voxels.labels(*pipeline.output.voxels, shot.worldFromSensor.front(), shot.time);
+  sample.files.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
+                          encodeVoxels(viewVoxels(*pipeline.output.voxels, std::move(labels), shot,
+                                                  pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
+}
+
 }  // namespace
 
 Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
@@ -124,80 +144,72 @@ std::unique_ptr<ShotBuffers> SampleMaker::takeBuffers() {
   return buffers;
 }
 
-MadeSample SampleMaker::make(const SampleAddress& address) {
-  const Pipeline& pipeline = plan_.pipeline;
-  const Sequence& sequence = pipeline.sequences[address.sequence];
-  const std::shared_ptr<const ReadyScene> loaded = scenes_.enter(address.sequence);
-  // Open the recording only after the scene and the method are set up: --overwrite removes an old recording, which must
-  // not happen if the new one cannot be made.
-  std::call_once(opened_, [&] { recorder_.open(keepHits_, overwrite_); });
-  recorder_.enter(address.sequence, loaded->scene, *loaded->method);
-  MadeSample made{.sample = {}, .scene = loaded->facts};
-  made.sample.key = sequence.key(address.frame);
-  made.sample.split = sequence.split;
-  const Frame frame = source_.frame(address.sequence, address.frame, Revolutions::All);
+MadeSample makeSample(const Plan& plan, const ReadyScene& scene, const Sequence& sequence, const Frame& frame,
+                      const SampleWork& work) {
+  const Pipeline& pipeline = plan.pipeline;
   const FrameSettings& settings = *frame.settings;
-  made.sample.draws = loaded->scene.draws;
+  MadeSample made{.sample = {}, .scene = scene.facts, .account = {}};
+  made.sample.key = sequence.key(frame.number);
+  made.sample.split = sequence.split;
+  made.sample.draws = scene.scene.draws;
   made.sample.draws.insert(made.sample.draws.end(), settings.draws.begin(), settings.draws.end());
   std::ranges::sort(made.sample.draws, {}, &DrawnValue::key);
   if (frame.shots.front().time != frame.time) made.sample.time = frame.time;
-  TraceAccount account;
   std::optional<ObjectList> objects;
-  std::unique_ptr<ShotBuffers> buffers = takeBuffers();
+  ShotBuffers& buffers = work.buffers;
   for (const Shot& shot : frame.shots) {
-    const ShotSetup setup = setupOf(plan_, settings, loaded->scene, *loaded->method, shot.sensor);
-    account += runShot(setup, shot, *buffers, clock_);
+    const ShotSetup setup = setupOf(plan, settings, scene.scene, *scene.method, shot.sensor);
+    made.account += runShot(setup, shot, buffers, work.clock);
     // The list has one view of an object for each sensor, in the sensor's first revolution of the sample.
-    if (loaded->objects != nullptr && shot.revolution == 0) {
-      const StageTimer timer(clock_, "objects");
-      if (!objects) objects.emplace(*loaded->objects, made.sample.key, frame.time);
-      objects->add(shot, pipeline.raysPerBeam(shot.sensor), buffers->hits, buffers->returns);
+    if (scene.objects != nullptr && shot.revolution == 0) {
+      const StageTimer timer(work.clock, "objects");
+      if (!objects) objects.emplace(*scene.objects, made.sample.key, frame.time, shot.placed);
+      objects->add(shot, pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.returns);
     }
-    if (recorder_.records()) recorder_.writeHits(shot, buffers->hits);
     std::vector<ScanRecord>& scans = made.sample.scans;
-    scans.push_back(recordOf(shot, buffers->hits, buffers->scan, pipeline.methodName()));
+    scans.push_back(recordOf(shot, buffers.hits, buffers.scan, pipeline.methodName()));
     if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
       scans.back().vehicleFromSensor = settings.sensors[shot.sensor].vehicleFromSensor;
     }
-    addFormats(buffers->scan, made.sample);
-    if (loaded->voxels != nullptr) addVoxels(*loaded->voxels, shot, *buffers, made.sample);
+    if (work.encodes) {
+      const StageTimer timer(work.clock, "encode");
+      addFormats(pipeline, buffers.scan, made.sample);
+    }
+    if (work.encodes && scene.voxels != nullptr) {
+      const StageTimer timer(work.clock, "voxels");
+      addVoxels(pipeline, *scene.voxels, shot, buffers, made.sample);
+    }
+    work.take(shot, buffers);
   }
   if (objects) {
     const SampleObjects listed = objects->finish();
     made.sample.objects = listed.counts();
     std::vector<Member>& files = made.sample.files;
-    files.insert(files.begin(), {std::string(kObjectsSuffix), objectsJson(listed, loaded->scene.ontology)});
+    files.insert(files.begin(), {std::string(kObjectsSuffix), objectsJson(listed, scene.scene.ontology)});
   }
+  return made;
+}
+
+MadeSample SampleMaker::make(const SampleAddress& address) {
+  const std::shared_ptr<const ReadyScene> loaded = scenes_.enter(address.sequence);
+  // Open the recording only after the scene and the method are set up: --overwrite removes an old recording, which must
+  // not happen if the new one cannot be made.
+  std::call_once(opened_, [&] { recorder_.open(keepHits_, overwrite_); });
+  recorder_.enter(address.sequence, loaded->scene, *loaded->method);
+  const Frame frame = source_.frame(address.sequence, address.frame, Revolutions::All);
+  std::unique_ptr<ShotBuffers> buffers = takeBuffers();
+  const auto record = [&](const Shot& shot, const ShotBuffers& traced) {
+    if (recorder_.records()) recorder_.writeHits(shot, traced.hits);
+  };
+  MadeSample made =
+      makeSample(plan_, *loaded, plan_.pipeline.sequences[address.sequence], frame, {*buffers, clock_, record});
   {
     const std::scoped_lock lock(idleMutex_);
     idle_.push_back(std::move(buffers));
   }
-  scenes_.account(address.sequence, account);
+  scenes_.account(address.sequence, made.account);
   scenes_.release(address.sequence);
   return made;
-}
-
-// Encodes a scan in all formats, and the reasons of its beams if the pipeline asks for them, and adds the results to
-// the sample's files. The scan's record must be the last in `sample.scans`.
-void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
-  const StageTimer timer(clock_, "encode");
-  const Pipeline& pipeline = plan_.pipeline;
-  for (const ChosenFormat& f : pipeline.output.formats) {
-    sample.files.push_back({memberSuffix(sample.scans.back(), f.entry->suffix), f.format->encode(scan)});
-  }
-  if (pipeline.output.layout.reasons) {
-    sample.files.push_back({memberSuffix(sample.scans.back(), kReasonsSuffix),
-                            encodeReasons(scan.reasonOfBeam, scan.rings, scan.columns)});
-  }
-}
-
-void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample) {
-  const StageTimer timer(clock_, "voxels");
-  const Pipeline& pipeline = plan_.pipeline;
-  VoxelLabels labels = voxels.labels(*pipeline.output.voxels, shot.worldFromSensor.front(), shot.time);
-  sample.files.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
-                          encodeVoxels(viewVoxels(*pipeline.output.voxels, std::move(labels), shot,
-                                                  pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
 }
 
 StageSeconds SampleMaker::stageSeconds() const {

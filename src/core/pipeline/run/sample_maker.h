@@ -69,8 +69,9 @@ class SceneObjects {
 // The object list of one sample.
 class ObjectList {
  public:
-  // `time`: the time of the sample (s since the start of the sequence), for which the boxes are computed.
-  ObjectList(const SceneObjects& objects, std::string key, double time);
+  // `time`: the time of the sample (s since the start of the sequence), for which the boxes are computed. `placed`: see
+  // Shot::placed.
+  ObjectList(const SceneObjects& objects, std::string key, double time, std::shared_ptr<const Placements> placed);
 
   // Adds what a shot sees of each object that it hits or has within the sensor's range. `hits`, `returns`: the hits and
   // returns from which the shot's scan was made; hits need the channel Instance. `raysPerBeam`: number of rays per
@@ -84,6 +85,7 @@ class ObjectList {
   const SceneObjects& objects_;
   std::string key_;
   double time_;
+  std::shared_ptr<const Placements> placed_;
   std::vector<OrientedBox> boxes_;              // one per object instance, in the order of SceneObjects::boxes()
   std::vector<std::vector<ObjectView>> views_;  // for each object instance, one view per shot that reaches it
 };
@@ -104,6 +106,10 @@ struct ReadyScene {
   std::unique_ptr<SceneObjects> objects;  // null if the pipeline does not write object lists
   std::unique_ptr<SceneVoxels> voxels;    // null if the pipeline does not write voxels
 };
+
+// Loads the scene of a sequence, with everything that its samples need except `probe`. Returns the memory (bytes) that
+// the scene takes. Throws InputError for scenes and methods that cannot be used.
+std::uint64_t loadScene(ShotSource& source, std::size_t sequence, ReadyScene& ready);
 
 // Loads and unloads scenes. Safe to use from several threads: each scene is loaded once, and all threads that need the
 // scene share the work of loading it.
@@ -172,7 +178,21 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned);
 struct MadeSample {
   Sample sample;
   std::shared_ptr<const SceneFacts> scene;
+  TraceAccount account;
 };
+
+// What makeSample() uses and calls.
+struct SampleWork {
+  ShotBuffers& buffers;
+  StageClock& clock;
+  std::function<void(const Shot&, ShotBuffers&)> take;  // called with each shot, after its scan is encoded
+  bool encodes = true;                                  // false: the sample has no files of scans and voxels
+};
+
+// Makes the sample of a frame: traces its shots, makes their scans, lists the objects that the sensors see, labels
+// voxels, and encodes all of these.
+MadeSample makeSample(const Plan& plan, const ReadyScene& scene, const Sequence& sequence, const Frame& frame,
+                      const SampleWork& work);
 
 // Makes samples and records their hits. Safe to use from several threads at once.
 class SampleMaker {
@@ -194,8 +214,6 @@ class SampleMaker {
 
  private:
   std::unique_ptr<ShotBuffers> takeBuffers();
-  void addFormats(const Scan& scan, Sample& sample);
-  void addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample);
 
   ShotSource& source_;
   const Plan& plan_;

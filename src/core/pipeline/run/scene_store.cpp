@@ -114,6 +114,27 @@ std::shared_ptr<const ReadyScene> SceneStore::enter(std::size_t sequence) {
   return {slot, &slot->ready};
 }
 
+std::uint64_t loadScene(ShotSource& source, std::size_t sequence, ReadyScene& ready) {
+  const Plan& plan = source.plan();
+  const Sequence& loaded = plan.pipeline.sequences[sequence];
+  std::vector<FileRecord> files;
+  {
+    const FilesRead read;
+    ready.scene = source.load(sequence);
+    files = recordsOf(read, plan.pipeline.file.parent_path());
+  }
+  ready.method = source.method(ready.scene);
+  if (plan.pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
+  if (plan.pipeline.output.voxels) ready.voxels = std::make_unique<SceneVoxels>(ready.scene);
+  const std::uint64_t bytes = ready.method->memoryBytes() +
+                              (ready.objects == nullptr ? 0 : ready.objects->memoryBytes()) +
+                              (ready.voxels == nullptr ? 0 : ready.voxels->memoryBytes());
+  plan.checkMemory(bytes, "the scene of " + loaded.key());
+  ready.facts = std::make_shared<const SceneFacts>(
+      SceneFacts{modelledOf(plan, loaded, ready.scene, *ready.method), ready.scene.ontology, std::move(files)});
+  return bytes;
+}
+
 // Loads the scene of a sequence into its slot, with its method and its warnings. Stores an exception in Slot::failure.
 void SceneStore::load(std::size_t sequence, Slot& slot) {
   const TaskOrder::Task task(slot.loaded, slot.loaded);
@@ -124,21 +145,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     loading_(loaded);
     ReadyScene& ready = slot.ready;
     returnFreedMemoryIfScarce();
-    std::vector<FileRecord> files;
-    {
-      const FilesRead read;
-      ready.scene = source_.load(sequence);
-      files = recordsOf(read, pipeline.file.parent_path());
-    }
-    ready.method = source_.method(ready.scene);
-    if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
-    if (pipeline.output.voxels) ready.voxels = std::make_unique<SceneVoxels>(ready.scene);
-    const std::uint64_t bytes = ready.method->memoryBytes() +
-                                (ready.objects == nullptr ? 0 : ready.objects->memoryBytes()) +
-                                (ready.voxels == nullptr ? 0 : ready.voxels->memoryBytes());
-    plan_.checkMemory(bytes, "the scene of " + loaded.key());
-    ready.facts = std::make_shared<const SceneFacts>(
-        SceneFacts{modelledOf(plan_, loaded, ready.scene, *ready.method), ready.scene.ontology, std::move(files)});
+    const std::uint64_t bytes = loadScene(source_, sequence, ready);
     TraceAccount account;
     for (const Shot& shot : source_.frame(sequence, 0).shots) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);

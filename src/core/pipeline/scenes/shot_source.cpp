@@ -295,7 +295,7 @@ Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions 
   const bool isRecorded = pipeline_.recording != nullptr;
   const std::string sample = drive.key(number);
   const std::shared_ptr<const Trajectory> path = isRecorded ? nullptr : trajectory(sequence);
-  Frame frame{settings(sequence, number), isRecorded ? 0 : path->frameTime(number), {}};
+  Frame frame{settings(sequence, number), number, isRecorded ? 0 : path->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const double period = pipeline_.sensors[s].period;
     std::vector<double> starts{0};  // start times of the sensor's revolutions (s after the frame's time)

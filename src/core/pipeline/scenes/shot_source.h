@@ -90,7 +90,8 @@ enum class Revolutions { First, All };
 
 struct Frame {
   std::shared_ptr<const FrameSettings> settings;
-  double time = 0;  // s since the start of the sequence
+  std::uint32_t number = 0;  // index of the frame in the sequence
+  double time = 0;           // s since the start of the sequence
   std::vector<Shot> shots;
 };
 
