@@ -81,6 +81,14 @@ class Simulation(unittest.TestCase):
             self.scene.scan(LIDAR, HERE, columns=["intensity"])
         self.assertIn("intensity", self.scene.scan(LIDAR, HERE, effects=["intensity"]))
 
+    def test_normals_are_those_of_the_surfaces(self):
+        pose = {"position": [-5, 4, 2], "yaw_deg": 30, "pitch_deg": 15, "roll_deg": -3}
+        scan = self.scene.scan(LIDAR, pose, columns=["label", "incidence", "normal_oct"])
+        along = (scan.normals * scan.xyz).sum(1) / scan.range
+        np.testing.assert_allclose(along, -np.cos(scan.incidence), atol=2e-4)
+        floor = scan.normals[self.floor(scan)] @ scan.world_from_sensor[:3, :3].T
+        np.testing.assert_allclose(floor, np.broadcast_to([0, 0, 1], floor.shape), atol=7e-5)
+
     def test_organised_scans_are_the_dense_ones_as_images(self):
         image, dense = self.scene.scan(LIDAR, HERE, organised=True), self.scene.scan(LIDAR, HERE)
         self.assertEqual(image.xyz.shape, (16, 180, 3))

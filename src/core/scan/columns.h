@@ -232,7 +232,7 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .low = -1e4,
      .high = 1e4,
      .display = {.unit = "m/s", .decimals = 3}},
-    {.name = "normal",
+    {.name = "normal_oct",
      .type = ColumnType::UInt32,
      .meaning =
          "unit normal of the surface, turned towards the sensor, along the axes of the points, octahedral (x in the "

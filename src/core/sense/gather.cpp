@@ -332,7 +332,7 @@ class Gathering {
       });
     } else if constexpr (name == "radial_velocity") {
       putRadialVelocities(values);
-    } else if constexpr (name == "normal") {
+    } else if constexpr (name == "normal_oct") {
       putNormals(values);
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {

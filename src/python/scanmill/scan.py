@@ -128,8 +128,8 @@ class Scan:
     @property
     def normals(self) -> NDArray[np.float32]:
         """Unit normals of the surfaces, turned towards the sensor, float32 (..., 3) along the axes of `xyz`, decoded from
-        the column `normal`; NaN where the column is 0."""
-        coded = self["normal"]
+        the column `normal_oct`; NaN where the column is 0."""
+        coded = self["normal_oct"]
         u, v = ((coded >> shift & 0xFFFF) / 32767.0 - (1 + 1 / 32767) for shift in (0, 16))
         z = 1 - abs(u) - abs(v)
         fold = np.maximum(-z, 0)
