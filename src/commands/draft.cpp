@@ -80,6 +80,28 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   }
 }
 
+// Prints a hint if a third of the triangles have the class `object`, but classes of their own in the ontology for
+// rooms.
+void printIndoorHint(const draft::Draft& made, const Ontology& ontology) {
+  const Ontology rooms = readOntology(namedResource("nyu40", "labels"));
+  const auto nameIn = [](const Concept& shown, const Ontology& classes) {
+    const SemanticClass* const found = classOf(shown, classes);
+    return found == nullptr ? std::string() : found->name;
+  };
+  std::uint64_t triangles = 0, finer = 0;
+  for (const draft::GuessedFile& file : made.files) {
+    triangles += file.triangles();
+    finer += file.trianglesOf([&](const draft::GuessedPart& part) {
+      if (part.shows == nullptr || nameIn(*part.shows, ontology) != "object") return false;
+      const std::string own = nameIn(*part.shows, rooms);
+      return !own.empty() && !own.starts_with("other");
+    });
+  }
+  if (3 * finer < triangles) return;
+  printText("{} are `object` here, but have classes of their own in the ontology for rooms: --ontology nyu40\n",
+            percent(finer, triangles));
+}
+
 }  // namespace
 
 int runDraft(const std::vector<std::string>& arguments) {
@@ -119,6 +141,7 @@ int runDraft(const std::vector<std::string>& arguments) {
   writeFile(out, made.yaml);
 
   printFiles(made, out);
+  if (!parsed.has("ontology")) printIndoorHint(made, ontology);
   runView({out.string(), "--screenshot", picture.string()});
   printText("next: scanmill view {0}; scanmill info {0}; write a pipeline that uses it (docs/own_scene.md)\n",
             out.string());

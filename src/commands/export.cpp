@@ -37,6 +37,9 @@ int runExport(const std::vector<std::string>& arguments) {
       textValue(), "NAME");
   options.add("sensor", "only this one; may be given again", listValue(), "NAME");
   options.add("split", "only this one; may be given again", listValue(), "NAME");
+  options.add("frames", "names of the world's and the vehicle's frame in MCAP files (default: map,base_link)",
+              textValue(), "WORLD,VEHICLE");
+  options.add("robot", "the vehicle's URDF file, for /robot_description in MCAP files", textValue(), "FILE");
   options.add("overwrite", "replace an existing export, complete or not: its folder is emptied");
   options.add("q,quiet", "print no progress");
   addThreads(options);
@@ -55,6 +58,20 @@ int runExport(const std::vector<std::string>& arguments) {
   if (parsed.has("classes")) exportOptions.classes = namedResource(parsed.text("classes"), "labels");
   exportOptions.sensors = parsed.list("sensor");
   exportOptions.splits = parsed.list("split");
+  for (const char* option : {"frames", "robot"}) {
+    if (!parsed.has(option) || exportOptions.layout->name == "mcap") continue;
+    throw InputError(fmt::format("--{} is only for --to mcap", option));
+  }
+  if (parsed.has("frames")) {
+    const std::string frames = parsed.text("frames");
+    const std::size_t comma = frames.find(',');
+    exportOptions.ros.world = frames.substr(0, comma);
+    exportOptions.ros.vehicle = comma == std::string::npos ? "" : frames.substr(comma + 1);
+    if (exportOptions.ros.world.empty() || exportOptions.ros.vehicle.empty()) {
+      throw InputError(fmt::format("--frames must be two names such as odom,base_link, not '{}'", frames));
+    }
+  }
+  exportOptions.ros.robot = parsed.text("robot");
   exportOptions.overwrite = parsed.has("overwrite");
   exportOptions.stop = &stopSignal();
   std::optional<Progress> progress;  // progress bar of the current stage

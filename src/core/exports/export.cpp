@@ -57,6 +57,7 @@ class Export {
     }
     plan_.dataset = options.dataset;
     plan_.manifest = *store_.manifest();
+    plan_.ros = options.ros;
     chooseClasses();
     chooseSensors();
     chooseSequences();

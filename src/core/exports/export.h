@@ -19,6 +19,7 @@ struct ExportOptions {
   std::filesystem::path classes;       // file of an ontology that replaces the layout's; empty: the layout's ontology
   std::vector<std::string> sensors{};  // names; empty: all, or only the first if the layout allows only one
   std::vector<std::string> splits{};   // names; empty: all
+  RosNames ros{};                      // only for MCAP
   bool overwrite = false;              // true: replaces an export in the folder, complete or not
   const std::atomic<bool>* stop = nullptr;
   // Called from any thread after each read frame. `done`, `all`: numbers of frames in `stage` (checking or writing).

@@ -56,6 +56,12 @@ struct ExportSample {
   std::optional<ScanVoxels> voxels;      // voxels around the first exported sensor; none: absent or not read
 };
 
+// Names in files for ROS.
+struct RosNames {
+  std::string world = "map", vehicle = "base_link";  // frames, as REP 105 names them
+  std::filesystem::path robot;                       // URDF file of the vehicle; empty: none
+};
+
 // The parts of a dataset that are exported, and the mapping of its classes.
 struct ExportPlan {
   std::filesystem::path dataset;
@@ -63,6 +69,7 @@ struct ExportPlan {
   ClassMap classes;
   std::vector<const SensorRecord*> sensors;
   std::vector<ExportSequence> sequences;  // ordered by their first samples
+  RosNames ros = {};                      // only for MCAP
 };
 
 // Throws an InputError that names the dataset.

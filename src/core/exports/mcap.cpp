@@ -2,15 +2,18 @@
 // of MCAP and rosbag2 of ROS 2 read. Its topics:
 //
 //   /<sensor>/points  sensor_msgs/msg/PointCloud2           all columns of each revolution, in the sensor's frame
-//   /tf               tf2_msgs/msg/TFMessage                map -> vehicle, at the start of each revolution
-//   /tf_static        tf2_msgs/msg/TFMessage                vehicle -> sensors, once
+//   /tf               tf2_msgs/msg/TFMessage                map -> base_link, at start and end of each revolution
+//   /odom             nav_msgs/msg/Odometry                 the same poses, with velocities
+//   /tf_static        tf2_msgs/msg/TFMessage                base_link -> sensors, once
 //   /objects          visualization_msgs/msg/MarkerArray    boxes and their names in map, if the dataset lists objects
+//   /robot_description  std_msgs/msg/String                 the text of the URDF file that the option --robot names
 //
-// The frame `map` is the dataset's world; the frames of the sensors have the sensors' names. If the sensor moves during
-// the revolution and the dataset is not deskewed, each point is in the sensor's frame at the time when its column fired
-// (field `time`), while /tf has the pose at the start of the revolution. The misses of organised scans are kept, as
-// NaN. Classes are in the fields `label` and `label_2`; the metadata record "classes" lists their names, and the record
-// "scanmill" the dataset and the sequence.
+// The frame `map` is the dataset's world and `base_link` the vehicle's; --frames names others. The frames of the
+// sensors have the sensors' names. If the sensor moves during the revolution and the dataset is not deskewed, each
+// point is in the sensor's frame at the time when its column fired (field `time`). The velocity is the difference to
+// the next pose, divided by the time between them; in the last pose, to the pose before. The misses of organised scans
+// are kept, as NaN. Classes are in the fields `label` and `label_2`; the metadata record "classes" lists their names,
+// and the record "scanmill" the dataset and the sequence.
 //
 // Time 0 of a sequence is the start of 2020, because a time stamp of 0 has a special meaning in tf2.
 
@@ -20,11 +23,13 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "config/version.h"
 #include "exports/layout.h"
 #include "exports/mcap_file.h"
@@ -35,10 +40,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 2020-01-01 00:00:00 UTC, time 0
-constexpr const char* kWorld = "map";
-constexpr const char* kVehicle = "vehicle";
-constexpr float kBoxOpacity = 0.4f;    // chosen by eye
-constexpr double kLetterHeight = 0.5;  // m, in the text of a box
+constexpr float kBoxOpacity = 0.4f;                         // chosen by eye
+constexpr double kLetterHeight = 0.5;                       // m, in the text of a box
 constexpr std::array<float, 4> kTextColor{1, 1, 1, 1};
 
 // Returns the time stamp (ns). `seconds`: time since the start of the sequence.
@@ -71,11 +74,32 @@ McapMap publishing(Subscribers subscribers) {
                        keepsForLater ? 1 : 10, keepsForLater ? 1 : 2, kEndless, kEndless, kEndless)}};
 }
 
+// Returns the vehicle's pose at the start and the end of each revolution, by time stamp (ns).
+std::map<std::uint64_t, Pose> driveOf(const ExportPlan& plan, const ExportSequence& sequence) {
+  std::map<std::uint64_t, Pose> drive;
+  for (const std::size_t sample : sequence.samples) {
+    for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
+      for (const ScanRecord* scan : revolutionsOf(plan, plan.manifest.samples[sample], s)) {
+        const Pose sensorFromVehicle = inverse(mountOf(*plan.sensors[s], *scan));
+        drive.try_emplace(timeStamp(scan->time), scan->worldFromSensor.front() * sensorFromVehicle);
+        if (scan->worldFromSensor.size() == 1) continue;
+        const BeamTable& beams = plan.sensors[s]->beams;
+        drive.try_emplace(timeStamp(scan->time + (beams.columns - 1) * beams.columnPeriod()),
+                          scan->worldFromSensor.back() * sensorFromVehicle);
+      }
+    }
+  }
+  return drive;
+}
+
 // Writes the MCAP file of a sequence: the constructor writes what all samples share, add() the messages of a sample.
 class Bag {
  public:
   Bag(const ExportPlan& plan, std::size_t sequence, const std::filesystem::path& path)
-      : plan_(plan), sequence_(plan.sequences[sequence]), file_(path, "ros2", fmt::format("scanmill {}", kVersion)) {
+      : plan_(plan),
+        sequence_(plan.sequences[sequence]),
+        file_(path, "ros2", fmt::format("scanmill {}", kVersion)),
+        drive_(driveOf(plan, sequence_)) {
     // This record, which Humble writes, makes later versions of rosbag2 interpret the numbers of publishing() as Humble
     // does.
     file_.addMetadata("rosbag2", {{"ROS_DISTRO", "humble"}});
@@ -89,19 +113,19 @@ class Bag {
     const std::uint16_t transforms = addSchema(transformsSchema());
     mounts_ = addChannel(transforms, "/tf_static", Subscribers::Later);
     poses_ = addChannel(transforms, "/tf");
+    odometry_ = addChannel(addSchema(odometrySchema()), "/odom");
     const std::uint16_t clouds = addSchema(pointCloudSchema());
     for (const SensorRecord* sensor : plan.sensors) clouds_.push_back(addChannel(clouds, topicOf(*sensor)));
     addMounts();
+    if (plan.ros.robot.empty() || drive_.empty()) return;
+    const std::uint16_t robot = addChannel(addSchema(stringSchema()), "/robot_description", Subscribers::Later);
+    file_.addMessage(robot, drive_.begin()->first, stringMessage(readFile(plan.ros.robot)));
   }
 
   void add(ExportSample sample) {
     for (ExportScan& scan : sample.scans) {
       const std::uint64_t time = timeStamp(scan.record->time);
-      const Pose worldFromVehicle = scan.record->worldFromSensor.front() * inverse(mountOf(*scan.sensor, *scan.record));
-      if (poseTimes_.insert(time).second) {
-        const RosTransform pose{time, kWorld, kVehicle, worldFromVehicle};
-        file_.addMessage(poses_, time, transformsMessage({&pose, 1}));
-      }
+      addPosesUntil(timeStamp(scan.record->time + scan.sensor->beams.period));
       visitTable(scan.scan, [&](auto key, auto& values) {
         if constexpr (key.row.display.colors == ColumnColors::Classes) {
           for (auto& id : values) id = plan_.classes.targetId(id);
@@ -122,6 +146,29 @@ class Bag {
     return file_.addChannel(schema, topic, "cdr", publishing(subscribers));
   }
 
+  // Adds the poses of the vehicle that are not added yet, up to a time stamp (ns).
+  void addPosesUntil(std::uint64_t time) {
+    for (; nextPose_ != drive_.end() && nextPose_->first <= time; ++nextPose_) {
+      const auto& [stamp, pose] = *nextPose_;
+      const RosTransform transform{stamp, plan_.ros.world, plan_.ros.vehicle, pose};
+      file_.addMessage(poses_, stamp, transformsMessage({&transform, 1}));
+      Vec3d linear, angular;
+      if (drive_.size() > 1) {
+        const bool last = std::next(nextPose_) == drive_.end();
+        const auto other = last ? std::prev(nextPose_) : std::next(nextPose_);
+        const double seconds =
+            (last ? -1e-9 : 1e-9) * static_cast<double>(last ? stamp - other->first : other->first - stamp);
+        const Pose moved = inverse(pose) * other->second;
+        linear = moved.translation * (1 / seconds);
+        const Quat& q = moved.rotation;
+        const Vec3d imaginary = Vec3d{q.x, q.y, q.z} * (q.w < 0 ? -1.0 : 1.0);
+        const double sine = length(imaginary);
+        if (sine > 0) angular = imaginary * (2 * std::atan2(sine, std::abs(q.w)) / sine / seconds);
+      }
+      file_.addMessage(odometry_, stamp, odometryMessage(transform, linear, angular));
+    }
+  }
+
   // Adds the mounts of the sensors with the time of the sequence's first scan. Each mount is read from the sensor's
   // first scan, which may be in a later sample if the sensor turns slowly.
   void addMounts() {
@@ -132,7 +179,7 @@ class Bag {
         const std::vector<const ScanRecord*> scans = revolutionsOf(plan_, plan_.manifest.samples[sample], s);
         if (scans.empty()) continue;
         firstTime = std::min(firstTime, scans.front()->time);
-        mounts.push_back({.parent = kVehicle,
+        mounts.push_back({.parent = plan_.ros.vehicle,
                           .child = plan_.sensors[s]->name,
                           .parentFromChild = mountOf(*plan_.sensors[s], *scans.front())});
         break;
@@ -169,7 +216,7 @@ class Bag {
                          .text = nameOf(object, semantic)});
     }
     const std::uint64_t time = timeStamp(objects.time);
-    file_.addMessage(*objects_, time, markersMessage(time, kWorld, markers));
+    file_.addMessage(*objects_, time, markersMessage(time, plan_.ros.world, markers));
   }
 
   // Returns the text for an object, such as "car 7, 72 %": class, id, and the object's highest visibility over all
@@ -188,9 +235,10 @@ class Bag {
   const ExportSequence& sequence_;
   McapFile file_;
   std::uint16_t mounts_ = 0;
-  std::uint16_t poses_ = 0;
-  std::vector<std::uint16_t> clouds_;       // channel of each sensor's points
-  std::set<std::uint64_t> poseTimes_;       // time stamps that /tf has already
+  std::uint16_t poses_ = 0, odometry_ = 0;
+  std::vector<std::uint16_t> clouds_;    // channel of each sensor's points
+  std::map<std::uint64_t, Pose> drive_;  // world from vehicle, by time stamp (ns)
+  std::map<std::uint64_t, Pose>::const_iterator nextPose_ = drive_.begin();
   std::optional<std::uint16_t> objects_{};  // channel of the objects; set when the first objects are added
 };
 
@@ -198,11 +246,11 @@ class Mcap : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
     for (const SensorRecord* sensor : plan.sensors) {
-      if (sensor->name == kWorld || sensor->name == kVehicle) {
+      if (sensor->name == plan.ros.world || sensor->name == plan.ros.vehicle) {
         refuse(plan,
-               "the sensor '{0}' has a reserved name: in MCAP files the frame of the world is "
-               "'{1}' and that of the vehicle '{2}'. Select other sensors with --sensor",
-               sensor->name, kWorld, kVehicle);
+               "the sensor '{0}' has the name of a frame: that of the world is '{1}' and that of the vehicle '{2}'. "
+               "Name other frames with --frames, or select other sensors with --sensor",
+               sensor->name, plan.ros.world, plan.ros.vehicle);
       }
     }
     requireDistinct(plan, "topic", [&](std::size_t sensor) { return topicOf(*plan.sensors[sensor]); });

@@ -1,5 +1,6 @@
-// The messages are those of ROS 2 Humble and later: sensor_msgs/msg/PointCloud2, tf2_msgs/msg/TFMessage and
-// visualization_msgs/msg/MarkerArray (github.com/ros2/common_interfaces, rcl_interfaces and geometry2, branch humble).
+// The messages are those of ROS 2 Humble and later: sensor_msgs/msg/PointCloud2, tf2_msgs/msg/TFMessage,
+// nav_msgs/msg/Odometry, std_msgs/msg/String and visualization_msgs/msg/MarkerArray (github.com/ros2/common_interfaces,
+// rcl_interfaces and geometry2, branch humble).
 //
 // Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments; the
 // definition of Marker omits the constants that this file does not use. Each definition is followed by the definitions
@@ -99,6 +100,17 @@ visualization_msgs/MeshFile mesh_file
 bool mesh_use_embedded_materials
 )"};
 constexpr Definition kTransforms{"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"};
+constexpr Definition kPoseCovariance{"geometry_msgs/PoseWithCovariance",
+                                     "geometry_msgs/Pose pose\nfloat64[36] covariance\n"};
+constexpr Definition kTwist{"geometry_msgs/Twist", "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n"};
+constexpr Definition kTwistCovariance{"geometry_msgs/TwistWithCovariance",
+                                      "geometry_msgs/Twist twist\nfloat64[36] covariance\n"};
+constexpr Definition kOdometry{"nav_msgs/Odometry", R"(std_msgs/Header header
+string child_frame_id
+geometry_msgs/PoseWithCovariance pose
+geometry_msgs/TwistWithCovariance twist
+)"};
+constexpr Definition kString{"std_msgs/String", "string data\n"};
 constexpr Definition kMarkers{"visualization_msgs/MarkerArray", "visualization_msgs/Marker[] markers\n"};
 
 // Returns the definition of a message's type, followed by the definitions of the types that it uses.
@@ -190,6 +202,15 @@ RosSchema transformsSchema() {
           definitionText(kTransforms, {kTransformStamped, kHeader, kStamp, kTransform, kVector, kQuaternion})};
 }
 
+RosSchema odometrySchema() {
+  return {"nav_msgs/msg/Odometry", definitionText(kOdometry, {kHeader, kStamp, kPoseCovariance, kPose, kPoint,
+                                                              kQuaternion, kTwistCovariance, kTwist, kVector})};
+}
+
+RosSchema stringSchema() {
+  return {"std_msgs/msg/String", std::string(kString.fields)};
+}
+
 RosSchema markersSchema() {
   return {"visualization_msgs/msg/MarkerArray",
           definitionText(kMarkers, {kMarker, kHeader, kStamp, kPose, kPoint, kQuaternion, kVector, kColor, kDuration,
@@ -201,6 +222,22 @@ std::string transformsMessage(std::span<const RosTransform> transforms) {
   out.count(transforms.size());
   for (const RosTransform& t : transforms) out.header(t.time, t.parent).text(t.child).pose(t.parentFromChild);
   return out.take();
+}
+
+std::string odometryMessage(const RosTransform& pose, const Vec3d& linear, const Vec3d& angular) {
+  Cdr out;
+  const auto covariance = [&] {  // zeros: the values are exact
+    for (int i = 0; i < 36; ++i) out.number(0.0);
+  };
+  out.header(pose.time, pose.parent).text(pose.child).pose(pose.parentFromChild);
+  covariance();
+  out.vector(linear).vector(angular);
+  covariance();
+  return out.take();
+}
+
+std::string stringMessage(std::string_view text) {
+  return Cdr().text(text).take();
 }
 
 std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers) {

@@ -42,11 +42,17 @@ struct RosMarker {
 
 RosSchema pointCloudSchema();
 RosSchema transformsSchema();
+RosSchema odometrySchema();
+RosSchema stringSchema();
 RosSchema markersSchema();
 
 // These functions return serialised messages. Times are in nanoseconds. They throw Error if the content exceeds a
 // message's limits.
 std::string transformsMessage(std::span<const RosTransform> transforms);
+// `linear` (m/s) and `angular` (rad/s): velocity of the frame `pose.child` in `pose.parent`, along the axes of the
+// former.
+std::string odometryMessage(const RosTransform& pose, const Vec3d& linear, const Vec3d& angular);
+std::string stringMessage(std::string_view text);
 std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers);
 // The message has the fields x, y and z, then one field for each of the scan's columns, with the column's name. The
 // misses of an organised scan are kept, and the message's height is its number of rings.

@@ -161,6 +161,17 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& object) const {
   return files;
 }
 
+std::map<std::string, double> readJoints(Fields& object) {
+  std::map<std::string, double> joints;
+  const Value* const value = object.find("joints");
+  if (value == nullptr) return joints;
+  if (value->kind != Value::Kind::Map) {
+    throw InputError(value->where, "joints must be a map from names of joints to positions (rad or m)");
+  }
+  for (const Value::Entry& entry : value->entries) joints[entry.key] = readNumber(entry.value, "joints." + entry.key);
+  return joints;
+}
+
 // Reads those options of AssetOptions that apply to all kinds of files.
 AssetOptions FileObjects::assetOptions(Fields& object) const {
   AssetOptions options;
@@ -172,6 +183,7 @@ AssetOptions FileObjects::assetOptions(Fields& object) const {
   if (alpha != "auto") options.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
   options.allowOutside = object.boolean("allow_outside", false);
   options.leaveOutMissing = object.choice("missing", {"refuse", "leave_out"}, "refuse") == "leave_out";
+  options.joints = readJoints(object);
   for (const std::string& name : object.texts("textures")) {
     options.textureFolders.push_back(assetPath(name, object.require("textures")));
     if (!isFolder(options.textureFolders.back())) {

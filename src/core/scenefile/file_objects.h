@@ -71,6 +71,9 @@ class FileMeshes {
   bool misfitReported_ = false;
 };
 
+// Reads an object's key `joints`: the positions of joints (rad or m) by their names.
+std::map<std::string, double> readJoints(Fields& object);
+
 class FileObjects {
  public:
   // `textures`: see SceneOptions::textures. `assetFolder`: the folder where relative paths start; empty: the folder of

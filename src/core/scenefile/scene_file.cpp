@@ -8,10 +8,12 @@
 #include <map>
 #include <utility>
 
+#include "assets/worlds/world_asset.h"
 #include "base/input_budget.h"
 #include "base/random.h"
 #include "config/distribution.h"
 #include "config/resources.h"
+#include "config/text.h"
 #include "scene/primitives.h"
 #include "scenefile/concepts.h"
 #include "scenefile/file_objects.h"
@@ -172,6 +174,25 @@ std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std:
     for (Vec3d& p : *lane) p = worldFromTown * p;
   }
   return lanes;
+}
+
+Pose readLinkPose(const std::filesystem::path& path, const std::string& link, const Location& where) {
+  const Value root = readSceneYaml(path);
+  std::vector<DrawnValue> draws;
+  for (const Value& item : objectsOf(root, 1, draws).items) {
+    Fields object(item, "object");
+    const Value* const file = object.find("file");
+    if (file == nullptr || !lowerCase(file->text).ends_with(".urdf")) continue;
+    for (const char* key : {"copies", "scale", "moving", "stand_on", "vary", "unit", "up"}) {
+      if (!object.has(key)) continue;
+      throw InputError(object.require(key).where, "a sensor is mounted on a link of this robot: leave out `{}`", key);
+    }
+    const std::filesystem::path folder = Fields(root, "scene").optionalPath("assets").value_or(std::filesystem::path());
+    const std::filesystem::path urdf = folder.empty() ? resolvePath(*file, file->text) : folder / file->text;
+    const Affine robotFrom = robotFromLink(urdf, readJoints(object), link);
+    return object.pose() * Pose{fromMatrix(robotFrom.linear), robotFrom.translation};
+  }
+  throw InputError(where, "the vehicle's scene {} has no URDF file, which alone has links", path.string());
 }
 
 Ontology readSceneOntology(const std::filesystem::path& path) {

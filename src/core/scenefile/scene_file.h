@@ -30,6 +30,10 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 // town. Builds no geometry. Throws InputError with the place.
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
 
+// Returns the pose of a link of the scene's first object that is a URDF file, in the scene's frame, with the object's
+// `joints`. `where`: the place that names the link. Throws InputError.
+Pose readLinkPose(const std::filesystem::path& path, const std::string& link, const Location& where);
+
 // Reads only the ontology that a scene file names. Throws InputError with the place.
 Ontology readSceneOntology(const std::filesystem::path& path);
 

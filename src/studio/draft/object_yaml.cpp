@@ -6,6 +6,7 @@
 
 #include "base/short_text.h"
 #include "base/terminal.h"
+#include "config/text.h"
 #include "config/value.h"
 #include "draft/draft.h"
 
@@ -325,6 +326,13 @@ std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& con
     yaml +=
         "    # points: {labels: NAME}   # the points have labels: name the ontology of their numbers (`scanmill list "
         "ontologies`)\n";
+  }
+  const std::string kind = lowerCase(model.file.extension().string());
+  if (const SemanticClass* const ego = kind == ".urdf" ? ontology.find("ego_vehicle") : nullptr) {
+    return yaml + fmt::format(
+                      "    class: {}   # as the `vehicle` of a pipeline; another class if it stands in a scene\n"
+                      "    material: painted_metal\n",
+                      nameValue(ego->name));
   }
   return yaml + ClassWriter(model, concepts, ontology).write();
 }

@@ -60,7 +60,7 @@ for path in ['train/street-s1-lane.mcap', 'val/street-s2-lane.mcap']:
     file = File(folder / path)
     assert file.header['profile'] == 'ros2'
     assert sorted({m['topic'] for m in file.messages}) == [
-        '/objects', '/rear/points', '/tf', '/tf_static', '/top/points']
+        '/objects', '/odom', '/rear/points', '/tf', '/tf_static', '/top/points']
     for sensor in ['top', 'rear']:
         clouds = on(file, '/%s/points' % sensor)
         assert len(clouds) == 2
@@ -105,26 +105,41 @@ static, = on(file, '/tf_static')
 poses = on(file, '/tf')
 assert file.messages[0]['topic'] == '/tf_static' and len(poses) == 2
 vehicle, = poses[1]['transforms']
-assert (vehicle['header']['frame_id'], vehicle['child_frame_id']) == ('map', 'vehicle')
+assert (vehicle['header']['frame_id'], vehicle['child_frame_id']) == ('map', 'base_link')
 assert vehicle['header']['stamp'] == {'sec': 1577836800, 'nanosec': 100000000}
 assert len(static['transforms']) == 2
 for mount in static['transforms']:
-    assert mount['header']['frame_id'] == 'vehicle'
+    assert mount['header']['frame_id'] == 'base_link'
     point = moved(vehicle, moved(mount, np.array([3., -2, 1])))
     assert np.allclose(point, world[mount['child_frame_id']], rtol=0, atol=1e-9), point
 durability = {c['topic']: 'durability: 1' in c['metadata']['offered_qos_profiles'] for c in file.channels.values()}
 assert [topic for topic, latched in durability.items() if latched] == ['/tf_static']
+def numbers(v):
+    return np.array([v[key] for key in 'xyz'])
+a, b = [p['transforms'][0]['transform'] for p in poses]
+back = {'translation': {'x': 0, 'y': 0, 'z': 0}, 'rotation': {**a['rotation'], 'w': -a['rotation']['w']}}
+for number, odom in enumerate(on(file, '/odom')):
+    assert (odom['header'], odom['child_frame_id']) == (poses[number]['transforms'][0]['header'], 'base_link')
+    assert odom['pose']['pose']['orientation'] == [a, b][number]['rotation']
+    linear = odom['twist']['twist']['linear']
+    if number == 0:
+        assert np.allclose(numbers(linear), moved(back, (numbers(b['translation']) - numbers(a['translation'])) / 0.1))
 )");
 }
 
 TEST_F(McapLayout, TheVehicleIsGivenAtTheTimeOfEachSensor) {
   useBothSensors();
   plan_.manifest.samples[1].scans[1].time = 0.125;
+  std::vector<Pose>& moving = plan_.manifest.samples[1].scans[1].worldFromSensor;
+  moving.push_back(moving.front());
+  plan_.ros = {"odom", "robot", folder_.write("a.urdf", "<robot/>")};
   write(*layout_);
   read(R"(
 file = File(folder / 'train/street-s1-lane.mcap')
 stamps = [p['transforms'][0]['header']['stamp']['nanosec'] for p in on(file, '/tf')]
-assert stamps == [0, 100000000, 125000000], stamps
+assert stamps == [0, 100000000, 125000000, 223888889], stamps
+assert on(file, '/tf')[0]['transforms'][0]['header']['frame_id'] == 'odom'
+assert on(file, '/robot_description') == [{'data': '<robot/>'}]
 assert [v['header']['stamp']['nanosec'] for v in on(file, '/rear/points')] == [0, 125000000]
 )");
 }
@@ -180,7 +195,7 @@ TEST_F(McapLayout, ScansWithoutPointsColumnsOrObjectsAreWritten) {
   });
   read(R"(
 file = File(folder / 'train/street-s1-lane.mcap')
-assert on(file, '/objects') == [] and len(file.channels) == 3
+assert on(file, '/objects') == [] and len(file.channels) == 4
 none, some = [cloud(value) for value in on(file, '/top/points')]
 assert none.shape == (1, 0) and some.shape == (1, 308)
 assert 'label' not in some.dtype.names and 'intensity' not in some.dtype.names and 'instance' in some.dtype.names
@@ -231,8 +246,8 @@ assert on(file, '/front_left/points')[0]['header']['frame_id'] == 'front-left'
 )");
   plan_.manifest.sensors[1].name = "front_left";
   EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("share the topic /front_left/points"));
-  plan_.manifest.sensors[1].name = "vehicle";
-  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("'vehicle'"));
+  plan_.manifest.sensors[1].name = "base_link";
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("'base_link'"));
 }
 
 TEST_F(McapLayout, NothingIsLeftOfAFileThatBreaksOff) {

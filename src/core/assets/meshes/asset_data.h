@@ -99,7 +99,8 @@ struct AssetOptions {
   std::optional<ClipTime> clip = std::nullopt;  // animation time to load (only glTF and GLB)
   // True: files that an asset names may be outside of its folder. False: such names are refused.
   bool allowOutside = false;
-  bool leaveOutMissing = false;  // true: models, meshes and tiles that a world names may be missing
+  bool leaveOutMissing = false;               // true: models, meshes and tiles that a world names may be missing
+  std::map<std::string, double> joints = {};  // positions of joints of a URDF (rad or m), by their names; others: 0
   std::vector<std::filesystem::path> textureFolders = {};  // searched last for images that are missing at their paths
   PointOptions points = {};                                // options for point clouds
   HeightOptions heights = {};                              // options for height rasters

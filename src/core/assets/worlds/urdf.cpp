@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -10,6 +11,7 @@
 #include "assets/worlds/world_asset.h"
 #include "assets/worlds/xml.h"
 #include "base/text_scan.h"
+#include "config/fields.h"
 
 namespace scanmill {
 namespace {
@@ -30,13 +32,22 @@ Affine readOrigin(const XmlNode& owner) {
 
 class UrdfReader {
  public:
-  explicit UrdfReader(const std::filesystem::path& file) : file_(file), root_(readXml(file)) {}
-
-  WorldFile read() {
+  // `positions`: see AssetOptions::joints.
+  UrdfReader(const std::filesystem::path& file, const std::map<std::string, double>& positions)
+      : file_(file), root_(readXml(file)), positions_(positions) {
     if (root_.name != "robot") root_.fail("is not a URDF: its first element must be <robot>");
     countUnread(root_);
     readJoints();
     checkTree();
+  }
+
+  // Returns the transform from a link's frame to the robot's frame.
+  Affine robotFromLink(const std::string& link) const {
+    if (links_.contains(link)) return robotFromLinkOf(link, root_);
+    root_.fail("has no link '{}'{}", link, suggestion(link, {links_.begin(), links_.end()}));
+  }
+
+  WorldFile read() {
     WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
     for (const XmlNode& link : root_.children) {
       if (link.name != "link") continue;
@@ -60,6 +71,11 @@ class UrdfReader {
       const std::string name = child.attributeOr("name", "link");
       if (child.name == "link" && !links_.insert(name).second) {
         child.fail("has the name '{}', as another link: links need names of their own", name);
+      }
+    }
+    for (const auto& [name, position] : positions_) {
+      if (!jointNames_.contains(name)) {
+        root_.fail("has no joint '{}'{}", name, suggestion(name, {jointNames_.begin(), jointNames_.end()}));
       }
     }
   }
@@ -120,8 +136,8 @@ class UrdfReader {
     Location where;
   };
 
-  // Adds a joint to joints_. All joints are at position 0: counts a joint whose limits or <mimic> offset exclude 0.
-  // Throws InputError if a link has two parents.
+  // Adds a joint to joints_, at its given position, at that of the joint that it mimics, or at 0. Counts a joint at 0
+  // whose limits exclude 0. Throws InputError if a link has two parents, or if a joint cannot have the given position.
   void readJoint(const XmlNode& joint) {
     const auto linkOf = [&](const char* role) {  // "parent" or "child"
       const XmlNode* const element = joint.child(role);
@@ -129,17 +145,39 @@ class UrdfReader {
       if (link == nullptr) joint.fail("has no <{} link=\"...\">", role);
       return *link;
     };
-    const auto number = [&](const char* element, const char* attribute) {
+    const auto number = [&](const char* element, const char* attribute, const char* fallback) {
       const XmlNode* const node = joint.child(element);
-      return node == nullptr ? 0 : std::strtod(node->attributeOr(attribute, "0").c_str(), nullptr);
+      return std::strtod((node == nullptr ? fallback : node->attributeOr(attribute, fallback)).c_str(), nullptr);
     };
-    const std::string type = joint.attributeOr("type", "");
+    const std::string type = joint.attributeOr("type", ""), name = joint.attributeOr("name", "joint");
+    jointNames_.insert(name);
+    const XmlNode* const mimic = joint.child("mimic");
+    const auto given = positions_.find(mimic == nullptr ? name : mimic->attributeOr("joint", ""));
+    double position = given == positions_.end() ? 0 : given->second;
+    if (mimic != nullptr) position = number("mimic", "multiplier", "1") * position + number("mimic", "offset", "0");
     const bool hasLimits = type == "revolute" || type == "prismatic";
-    const bool excludesZero = hasLimits && (number("limit", "lower") > 0 || number("limit", "upper") < 0);
-    if (excludesZero || number("mimic", "offset") != 0) {
-      world_.leftOut.add("joints whose limits or offsets (mimic) exclude 0, where all joints are");
+    const double lower = number("limit", "lower", "0"), upper = number("limit", "upper", "0");
+    if (hasLimits && (position < lower || position > upper)) {
+      if (position != 0) joint.fail("'{}' is from {} to {}, not at {}", name, lower, upper, position);
+      world_.leftOut.add("joints whose limits exclude 0, where joints without a given position are");
     }
-    if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
+    Affine moved;
+    if (position != 0) {
+      const XmlNode* const axisNode = joint.child("axis");
+      const Vec3d axis =
+          axisNode == nullptr ? Vec3d{1, 0, 0} : vectorIn(*axisNode, axisNode->attributeOr("xyz", "1 0 0"));
+      if (!(length(axis) > 0)) joint.fail("'{}' has an axis without a length", name);
+      const Vec3d along = normalized(axis);
+      if (type == "prismatic") {
+        moved.translation = along * position;
+      } else if (type == "revolute" || type == "continuous") {
+        const Vec3d imaginary = along * std::sin(position / 2);
+        moved = toAffine({{std::cos(position / 2), imaginary.x, imaginary.y, imaginary.z}, {}});
+      } else {
+        joint.fail("'{}' is {}: only joints that turn or slide have a position", name, type);
+      }
+    }
+    if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint) * moved, joint.where}).second) {
       joint.fail("gives the link '{}' a second parent joint", linkOf("child"));
     }
   }
@@ -221,7 +259,8 @@ class UrdfReader {
 
   std::filesystem::path file_;
   XmlNode root_;
-  std::set<std::string> links_;          // names of all links
+  const std::map<std::string, double>& positions_;
+  std::set<std::string> links_, jointNames_;
   std::map<std::string, Joint> joints_;  // joints, by name of their child link
   std::map<std::string, Look> looks_;
   WorldFile world_;
@@ -232,21 +271,27 @@ class UrdfReader {
 const FormatSupport kUrdfFormat{
     "URDF",
     ".urdf",
-    "One thing, whose parts are named robot/link/visual; all joints are at 0, whatever their limits and those that "
-    "they mimic. Meshes, whose up axis in COLLADA counts for nothing, as in ROS, and solids. A material replaces "
+    "One thing, whose parts are named robot/link/visual. Joints are at the positions of the object's key `joints`, at "
+    "that of the joint that they mimic, or at 0. Meshes, whose up axis in COLLADA counts for nothing, as in ROS, and "
+    "solids. A material replaces "
     "that of the mesh, except that a colour leaves the mesh's images; the first definition of a name holds for all; "
     "`rgba` is taken as linear light, since URDF states no colour space",
     "elements in a wrong place, and further ones where one may stand; invisible visuals (alpha 0); transparencies "
     "between 0 and 1 (these visuals are solid); numbers of colours above 1 (they count as 1); textures of parts "
-    "without texture coordinates; materials that are defined nowhere; joints whose limits or offsets (mimic) exclude "
-    "0, where all joints are; materials, visuals and poses for Gazebo",
+    "without texture coordinates; materials that are defined nowhere; joints whose limits exclude 0, where joints "
+    "without a given position are; materials, visuals and poses for Gazebo",
     {.read = {"robot link visual geometry joint origin parent child mesh box cylinder sphere capsule material",
               "color texture"},
      .unused = {"collision inertial axis calibration dynamics limit mimic safety_controller transmission contact",
                 "gazebo sensor"}}};
 
-WorldFile readUrdf(const std::filesystem::path& file) {
-  return UrdfReader(file).read();
+WorldFile readUrdf(const std::filesystem::path& file, const std::map<std::string, double>& joints) {
+  return UrdfReader(file, joints).read();
+}
+
+Affine robotFromLink(const std::filesystem::path& urdf, const std::map<std::string, double>& joints,
+                     const std::string& link) {
+  return UrdfReader(urdf, joints).robotFromLink(link);
 }
 
 }  // namespace scanmill

@@ -249,7 +249,7 @@ std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options) {
   if (suffix == ".json") return readTileset(file, options);
   const bool sdf = suffix == ".sdf" || suffix == ".world";
-  return WorldAsset(file, options).build(sdf ? readSdf(file) : readUrdf(file));
+  return WorldAsset(file, options).build(sdf ? readSdf(file) : readUrdf(file, options.joints));
 }
 
 }  // namespace scanmill

@@ -99,7 +99,11 @@ WorldFile readSdf(const std::filesystem::path& file);
 // States what the reader of URDF reads and leaves out.
 extern const FormatSupport kUrdfFormat;
 
-// Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML), as kUrdfFormat says.
-WorldFile readUrdf(const std::filesystem::path& file);
+// Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML), as kUrdfFormat says. `joints`: see
+// AssetOptions::joints.
+WorldFile readUrdf(const std::filesystem::path& file, const std::map<std::string, double>& joints);
+// Returns the transform from a link's frame to the frame of the robot's root link. Throws InputError.
+Affine robotFromLink(const std::filesystem::path& urdf, const std::map<std::string, double>& joints,
+                     const std::string& link);
 
 }  // namespace scanmill

@@ -13,6 +13,7 @@
 #include "dataset/split.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 
@@ -87,7 +88,8 @@ std::string readSensorName(Fields& fields, const std::string& fallback, const st
 
 // Reads the key `sensors`. Distributions are replaced by the values of the first frame of the first sequence; the
 // values with their distributions are stored in `written`.
-std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, DrawnSensors::Written& written) {
+std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, const std::filesystem::path& vehicle,
+                                       DrawnSensors::Written& written) {
   std::vector<DrawnValue> ignored;
   const auto sampled = [&](const Value& value, std::size_t sensor, const char* key) {  // without distributions
     return withDraws(value, fmt::format("sensors.{}.{}", sensor, key), {.seed = seed}, ignored);
@@ -104,7 +106,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
     }
     const Value* mount = sensorFields.find("mount");
     written.mounts.push_back(mount == nullptr ? Value{} : *mount);
-    sensor.vehicleFromSensor = readMount(sampled(written.mounts.back(), sensors.size(), "mount"));
+    sensor.vehicleFromSensor = readMount(sampled(written.mounts.back(), sensors.size(), "mount"), vehicle);
     sensor.size = sensorSize(sensor.description);
     sensors.push_back(std::move(sensor));
   }
@@ -230,7 +232,7 @@ Pipeline pipelineOf(Value parsed, std::string text, const std::filesystem::path&
   readVehicle(fields, pipeline);
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   DrawnSensors::Written written;
-  pipeline.sensors = readSensors(fields, pipeline.seed, written);
+  pipeline.sensors = readSensors(fields, pipeline.seed, pipeline.vehicle, written);
   readPeriods(pipeline);
   pipeline.maxRays = kDefaultMaxRays;
   const Value* const limits = fields.find("limits");
@@ -263,11 +265,16 @@ Pipeline pipelineOf(Value parsed, std::string text, const std::filesystem::path&
 
 }  // namespace
 
-Pose readMount(const Value& mount) {
+Pose readMount(const Value& mount, const std::filesystem::path& vehicle) {
   if (mount.kind == Value::Kind::Null) return {};
   Fields fields(mount, "mount");
-  const Pose pose = fields.pose();
+  Pose pose = fields.pose();
+  const std::string link = fields.text("link", "");
   fields.finish();
+  if (!link.empty() && vehicle.empty()) {
+    throw InputError(mount.where, "the link '{}' is one of a robot: name its scene as `vehicle`", link);
+  }
+  if (!link.empty()) pose = readLinkPose(vehicle, link, mount.where) * pose;
   checkedPosition(pose.translation, mount.where);
   return pose;
 }

@@ -179,8 +179,9 @@ struct Pipeline {
 // Reads and checks the key `output` of a pipeline. Throws InputError.
 Output readOutput(const Value& value);
 
-// Reads the pose of a sensor in the vehicle's frame; Null means the vehicle's origin. Throws InputError.
-Pose readMount(const Value& mount);
+// Reads the pose of a sensor in the vehicle's frame; Null means the vehicle's origin. `vehicle`: the vehicle's scene
+// file, which has the robot's links; may be empty. Throws InputError.
+Pose readMount(const Value& mount, const std::filesystem::path& vehicle);
 
 // True if an effect sets the intensity. Either every sensor has such an effect, or none has.
 bool setsIntensity(const Pipeline& pipeline);

@@ -382,5 +382,26 @@ TEST_F(ReadPipeline, FilesThatAreNoPipelinesAreNamed) {
   EXPECT_THAT(messageOf<InputError>([&] { readPipeline(folder_.path(), {}); }), HasSubstr(folder_.path().string()));
 }
 
+// A sensor on a link of a robot that stands turned in the vehicle's scene, with a joint that is not at 0.
+TEST_F(ReadPipeline, ASensorIsMountedOnALink) {
+  folder_.write(
+      "mast.urdf",
+      "<robot name=\"mast\"><link name=\"base_link\"><visual><geometry><box size=\"1 1 1\"/></geometry></visual>"
+      "</link><link name=\"top\"/><joint name=\"lift\" type=\"prismatic\"><parent link=\"base_link\"/><child "
+      "link=\"top\"/><axis xyz=\"0 0 1\"/><limit lower=\"0\" upper=\"2\"/></joint></robot>");
+  folder_.write("robot.yaml",
+                "objects: [{name: mast, file: mast.urdf, class: ego_vehicle, material: default, position: [1, 0, 0], "
+                "yaw_deg: 90, joints: {lift: 1.5}}]\n");
+  const std::string mount = "mount: {link: top, position: [0.5, 0, 0.1]}";
+  const std::string text = changed("mount: {position: [0, 0, 1.8]}", mount);
+  folder_.write("changed.yaml", text + "vehicle: robot.yaml\n");
+  const Pipeline p = readPipeline(folder_.path() / "changed.yaml");
+  EXPECT_NEAR(length(p.sensors[0].vehicleFromSensor.translation - Vec3d{1, 0.5, 1.6}), 0, 1e-12);
+  EXPECT_NEAR(length(p.sensors[0].vehicleFromSensor * Vec3d{1, 0, 0} - Vec3d{1, 1.5, 1.6}), 0, 1e-12);
+  EXPECT_THAT(refusal(text), HasSubstr("name its scene as `vehicle`"));
+  EXPECT_THAT(refusal(changed("mount: {position: [0, 0, 1.8]}", "mount: {link: tpo}") + "vehicle: robot.yaml\n"),
+              HasSubstr("no link 'tpo': did you mean 'top'"));
+}
+
 }  // namespace
 }  // namespace scanmill
