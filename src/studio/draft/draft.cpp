@@ -59,12 +59,12 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
       "# `scanmill info` of this file, which counts the triangles of each rule.\n"
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
       quotedValue(name), quotedValue(ontologyName));
-  const std::vector<Concept> usable = conceptsFor(concepts, ontology);
-  draft.files = guessFiles(files, usable, options);
+  draft.concepts = conceptsFor(concepts, ontology);
+  draft.files = guessFiles(files, draft.concepts, options);
   draft.onePlace = areOnePlace(draft.files);
   const std::vector<std::optional<Vec3d>> positions = positionsInRows(draft.files);
   for (std::size_t i = 0; i < draft.files.size(); ++i) {
-    draft.yaml += objectYaml(draft.files[i], usable, ontology, folder, options);
+    draft.yaml += objectYaml(draft.files[i], draft.concepts, ontology, folder, options);
     if (draft.files.size() == 1 || !positions[i] || draft.onePlace) continue;
     draft.yaml += fmt::format("    position: [{:.3f}, {:.3f}, {:.3f}]   # beside the others\n", positions[i]->x,
                               positions[i]->y, positions[i]->z);

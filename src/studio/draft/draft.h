@@ -76,6 +76,7 @@ struct Draft {
   std::string yaml;
   std::vector<GuessedFile> files;
   bool onePlace = false;  // true: the files are parts of one place and keep their coordinates
+  std::vector<Concept> concepts{};  // the concepts that `files` point to
 };
 
 // Drafts a scene with one object per file. If most of the files are away from the origin, at different positions, all

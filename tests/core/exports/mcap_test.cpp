@@ -117,7 +117,7 @@ assert [topic for topic, latched in durability.items() if latched] == ['/tf_stat
 def numbers(v):
     return np.array([v[key] for key in 'xyz'])
 a, b = [p['transforms'][0]['transform'] for p in poses]
-back = {'translation': {'x': 0, 'y': 0, 'z': 0}, 'rotation': {**a['rotation'], 'w': -a['rotation']['w']}}
+back = {'transform': {'translation': {'x': 0, 'y': 0, 'z': 0}, 'rotation': {**a['rotation'], 'w': -a['rotation']['w']}}}
 for number, odom in enumerate(on(file, '/odom')):
     assert (odom['header'], odom['child_frame_id']) == (poses[number]['transforms'][0]['header'], 'base_link')
     assert odom['pose']['pose']['orientation'] == [a, b][number]['rotation']

@@ -89,7 +89,7 @@ class Types:
             name = wanted.pop()
             known.add(name)
             for _, kind in self.types[name]:
-                kind = kind.replace("[]", "")
+                kind = kind.split("[")[0]
                 if kind not in self.NUMBERS and kind != "string" and kind not in known:
                     wanted.append(kind)
         assert known == set(self.types), "types that nobody uses"
@@ -116,6 +116,9 @@ class Types:
             return self.bytes(self.number("I"))
         if kind.endswith("[]"):
             return [self.value(kind[:-2]) for _ in range(self.number("I"))]
+        if kind.endswith("]"):  # an array of a fixed length, T[N]
+            own, length = kind[:-1].split("[")
+            return [self.value(own) for _ in range(int(length))]
         if kind in self.NUMBERS:
             return self.number(self.NUMBERS[kind])
         if kind == "string":

@@ -102,8 +102,8 @@ SensorDraw DrawnSensors::settingsWith(const Pipeline& pipeline, const Sampled& s
   SensorDraw drawn;
   const Value effects = sampled(written_.effects, "effects", drawn.draws);
   for (std::size_t s = 0; s < written_.mounts.size(); ++s) {
-    const std::string key = fmt::format("sensors.{}.mount", s);
-    drawn.mounts.push_back(readMount(sampled(written_.mounts[s], key, drawn.draws), pipeline.vehicle));
+    const Value mount = sampled(written_.mounts[s], fmt::format("sensors.{}.mount", s), drawn.draws);
+    drawn.mounts.push_back(readMount(mount, pipeline.vehicle));
     MountedSensor sensor;
     sensor.name = pipeline.sensors[s].name;
     sensor.description = written_.descriptions[s];

@@ -82,7 +82,7 @@ enum class TownClasses { Own, Pipeline };
 
 // Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml, and with fewer columns if a
 // frame has more than kMostBeams or kMostRays. With TownClasses::Own the ego vehicle is left out, since its classes may
-// differ from the town's.
+// differ from the town's; mounts on its links become poses.
 Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownClasses classes) {
   const Value townFile = scalarValue((resourceFolder() / "scenes" / "hamlet.yaml").string());
   // If the method cannot trace moving objects, the pipeline's scenes have none, so the small town must have none
@@ -100,6 +100,11 @@ Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownC
                   lowMounts ? ", ground: {height: 1.8}" : ""),
       "splits=null"};
   if (classes == TownClasses::Own) overrides.insert(overrides.end(), {"labels=null", "vehicle=null"});
+  for (std::size_t s = 0; s < pipeline.sensors.size() && !pipeline.vehicle.empty(); ++s) {
+    const auto& [q, p] = pipeline.sensors[s].vehicleFromSensor;
+    overrides.push_back(fmt::format("sensors.{}.mount={{position: [{}, {}, {}], rotation: [{}, {}, {}, {}]}}", s, p.x,
+                                    p.y, p.z, q.w, q.x, q.y, q.z));
+  }
   const double share = std::min(kMostBeams / static_cast<double>(pipeline.beamsPerFrame()),
                                 kMostRays / static_cast<double>(pipeline.raysPerFrame()));
   if (share < 1) addFewerColumns(pipeline, share, overrides);

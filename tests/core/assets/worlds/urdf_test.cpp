@@ -53,10 +53,10 @@ TEST_F(Urdf, JointsAreAtTheirPositions) {
   const auto refusal = [&](const std::map<std::string, double>& given, const char* link) {
     return messageOf<InputError>([&] { robotFromLink(file, given, link); });
   };
-  EXPECT_THAT(refusal({{"trun", 1}}, "hand"), HasSubstr("no joint 'trun': did you mean 'turn'"));
+  EXPECT_THAT(refusal({{"trun", 1}}, "hand"), HasSubstr("no joint 'trun' (did you mean 'turn'"));
   EXPECT_THAT(refusal({{"slide", -1}}, "hand"), HasSubstr("'slide' is from 0 to 3, not at -1"));
   EXPECT_THAT(refusal({{"stiff", 1}}, "hand"), HasSubstr("'stiff' is fixed"));
-  EXPECT_THAT(refusal({}, "hnad"), HasSubstr("no link 'hnad': did you mean 'hand'"));
+  EXPECT_THAT(refusal({}, "hnad"), HasSubstr("no link 'hnad' (did you mean 'hand'"));
 }
 
 TEST_F(Urdf, SolidsAndMeshesHaveTheirSizesAndColours) {

@@ -395,12 +395,12 @@ TEST_F(ReadPipeline, ASensorIsMountedOnALink) {
   const std::string mount = "mount: {link: top, position: [0.5, 0, 0.1]}";
   const std::string text = changed("mount: {position: [0, 0, 1.8]}", mount);
   folder_.write("changed.yaml", text + "vehicle: robot.yaml\n");
-  const Pipeline p = readPipeline(folder_.path() / "changed.yaml");
+  const Pipeline p = readPipeline(folder_.path() / "changed.yaml", {});
   EXPECT_NEAR(length(p.sensors[0].vehicleFromSensor.translation - Vec3d{1, 0.5, 1.6}), 0, 1e-12);
   EXPECT_NEAR(length(p.sensors[0].vehicleFromSensor * Vec3d{1, 0, 0} - Vec3d{1, 1.5, 1.6}), 0, 1e-12);
   EXPECT_THAT(refusal(text), HasSubstr("name its scene as `vehicle`"));
   EXPECT_THAT(refusal(changed("mount: {position: [0, 0, 1.8]}", "mount: {link: tpo}") + "vehicle: robot.yaml\n"),
-              HasSubstr("no link 'tpo': did you mean 'top'"));
+              HasSubstr("no link 'tpo' (did you mean 'top'"));
 }
 
 }  // namespace

@@ -33,13 +33,13 @@ class MadeDataset : public testing::Test {
     writeMadeDataset(at(), samples_, manifest);
     return examined(at());
   }
-  std::vector<std::string> warningsFor(const std::vector<MadeSample>& samples, Manifest manifest = madeManifest()) {
+  std::vector<std::string> warningsFor(const std::vector<WrittenSample>& samples, Manifest manifest = madeManifest()) {
     writeMadeDataset(at(), samples, std::move(manifest));
     return warningTexts(examined(at()));
   }
 
   TemporaryFolder folder_;
-  std::vector<MadeSample> samples_ = soundSamples();
+  std::vector<WrittenSample> samples_ = soundSamples();
 };
 
 // Pages are megabytes: nobody wants to see them printed.
@@ -135,7 +135,7 @@ TEST_F(MadeDataset, OffersOnlyCommandsThatWork) {
   std::erase(bare.columns, "label");
   EXPECT_EQ(offers(madeManifest()), std::pair(true, true));
   EXPECT_EQ(offers(bare), std::pair(false, false));
-  for (MadeSample& s : samples_) s.split = "train";
+  for (WrittenSample& s : samples_) s.split = "train";
   EXPECT_EQ(offers(madeManifest()), std::pair(false, true));
 }
 
@@ -150,7 +150,7 @@ TEST_F(MadeDataset, ScansAreInTheOrderOfTheirKeys) {
 TEST_F(MadeDataset, WarnsOfFewPointsOfAClass) {
   Manifest manifest = madeManifest();
   manifest.ontology.classes.push_back({9, "tram", {1, 2, 3}, false, {}});
-  for (MadeSample& s : samples_) {
+  for (WrittenSample& s : samples_) {
     s.points.resize(2200, MadePoint{{20, 1, -1}, 7, 0, 1});
     if (s.split == "val") s.points[100].label = 9;
   }
@@ -168,14 +168,14 @@ TEST_F(MadeDataset, WarnsOfFewPointsOfAClass) {
 TEST_F(MadeDataset, WarnsOfMistakes) {
   struct Case {
     std::string says;
-    std::function<void(std::vector<MadeSample>&)> change;
+    std::function<void(std::vector<WrittenSample>&)> change;
   };
   const std::string mixed =
       "1 instance has labels of more than one class that seldom occur in one object: a sign of wrong labels.\n";
   const Case cases[]{
       {"In train but not in val: car.",
        [](auto& samples) {
-         for (MadeSample& s : samples) {
+         for (WrittenSample& s : samples) {
            if (s.split == "val") s.points.resize(20);
          }
        }},
@@ -194,7 +194,7 @@ TEST_F(MadeDataset, WarnsOfMistakes) {
        [](auto& samples) { samples[0].points[22].instance = 0; }}};
   for (const Case& wrong : cases) {
     std::filesystem::remove_all(at());
-    std::vector<MadeSample> samples = samples_;
+    std::vector<WrittenSample> samples = samples_;
     wrong.change(samples);
     EXPECT_THAT(warningsFor(samples), testing::ElementsAre(wrong.says));
   }
@@ -204,7 +204,7 @@ TEST_F(MadeDataset, WarnsOfMistakes) {
 TEST_F(MadeDataset, PartsThatMostInstancesHaveAreNoMistake) {
   Manifest manifest = madeManifest();
   manifest.ontology.classes.push_back({9, "wheel", {1, 2, 3}, true, {}});
-  for (MadeSample& s : samples_) {
+  for (WrittenSample& s : samples_) {
     for (std::uint32_t id = 10; id < 14; ++id) {
       s.points.push_back({{9, 1, 0}, 65535, id, 5});
       s.points.push_back({{9, 1, 0}, 9, id, 5});

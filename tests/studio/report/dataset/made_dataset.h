@@ -16,7 +16,7 @@ struct MadePoint {
   float intensity = 10;
 };
 
-struct MadeSample {
+struct WrittenSample {
   std::string key;
   std::string split;
   std::vector<MadePoint> points;
@@ -52,11 +52,11 @@ inline Scan madeScan(const BeamTable& beams, const std::vector<MadePoint>& point
 }
 
 // Every sample fills a shard of its own where `apart`.
-inline Manifest writeMadeDataset(const std::filesystem::path& folder, const std::vector<MadeSample>& samples,
+inline Manifest writeMadeDataset(const std::filesystem::path& folder, const std::vector<WrittenSample>& samples,
                                  Manifest manifest = madeManifest(), bool apart = false) {
   PackedDataset writer(folder, false, apart ? 4096 : 10'000'000);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const MadeSample& made = samples[i];
+    const WrittenSample& made = samples[i];
     const Scan scan = madeScan(manifest.sensors[0].beams, made.points);
     Sample sample{
         {.key = made.key, .split = made.split, .scans = {testRecord(manifest.sensors[0], scan, 0.1 * double(i))}}, {}};
@@ -71,11 +71,11 @@ inline Manifest writeMadeDataset(const std::filesystem::path& folder, const std:
 }
 
 // Nothing to warn of: road and a car with an id in every split.
-inline std::vector<MadeSample> soundSamples() {
-  std::vector<MadeSample> samples;
+inline std::vector<WrittenSample> soundSamples() {
+  std::vector<WrittenSample> samples;
   for (int i = 0; i < 6; ++i) {
     const std::string split = i < 4 ? "train" : "val";
-    MadeSample sample{"street-s" + std::to_string(i < 4 ? 1 : 2) + "-lane-00000" + std::to_string(i), split, {}, 0};
+    WrittenSample sample{"street-s" + std::to_string(i < 4 ? 1 : 2) + "-lane-00000" + std::to_string(i), split, {}, 0};
     for (int k = 0; k < 20; ++k) sample.points.push_back({{3.0f + float(k), 0.25f * float(k), -1.5f}, 7, 0, float(k)});
     for (int k = 0; k < 5; ++k) {
       sample.points.push_back({{12, 2 + 0.1f * float(k), -1}, 65535, 3, 200});
