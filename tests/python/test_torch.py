@@ -12,7 +12,7 @@ from scanmill.augment import Compose, Flip, Jitter, Turn, mix
 
 try:
     import torch
-    from torch.utils.data import ConcatDataset, DataLoader
+    from torch.utils.data import DataLoader
 
     from scanmill.torch import CollateRangeImages, ScanDataset, ShardIterable, collate_padded, tensor
 except ImportError:
@@ -151,23 +151,6 @@ class Loaders(unittest.TestCase):
             self.assertFalse(all(np.array_equal(unlike[key], xyz) for key, xyz in alone.items()))
         with self.assertRaises(scanmill.InputError):
             ShardIterable(self.path, mix=mix.LaserMix())
-
-    def test_a_repeated_set_has_other_augmentations_each_time(self):
-        once, weighted = (ScanDataset(self.path, "train", repeat=r, columns=[], transform=AUGMENT) for r in (1, 3))
-        joined = ConcatDataset([ScanDataset(self.path, "val", columns=[]), weighted])
-        splits = self.dataset.splits
-        self.assertEqual(keys_of(self.load(joined, shuffle=True)), sorted([*splits["val"], *3 * splits["train"]]))
-        firsts = []
-        for epoch in (0, 1):
-            weighted.set_epoch(epoch)
-            firsts += [weighted[i]["xyz"] for i in range(0, len(weighted), len(once))]
-        self.assertEqual(len({xyz.tobytes() for xyz in firsts}), 6)
-        for epoch, xyz in enumerate(firsts):
-            once.set_epoch(epoch)
-            np.testing.assert_array_equal(once[0]["xyz"], xyz)
-        self.assertEqual(weighted[-1]["key"], splits["train"][-1])
-        self.assertRaises(IndexError, lambda: weighted[len(weighted)])
-        self.assertRaises(scanmill.InputError, lambda: ScanDataset(self.path, repeat=0))
 
     def test_workers_that_live_on_see_the_next_epoch(self):
         for dataset in (

@@ -18,11 +18,13 @@ _load_missing()
 
 from ._core import Error, InputError, __version__, resource_folder, set_input_limit
 from .batch import pad_batch
+from .confusion import ConfusionMatrix
 from .dataset import Dataset, Sample, decode, open_dataset as open
 from .geometry import points_in_box, pose_matrix
+from .joined import JoinedDataset
 from .make import export, generate, picture, plan, verify
 from .objects import Objects
-from .ontology import Ontology
+from .ontology import Ontology, load_ontology as ontology
 from .passes import PassWriter
 from .range_image import Projection, beam_projection, range_image, spherical_projection
 from .samples import SampleReader
@@ -31,10 +33,12 @@ from .simulate import Scene, SceneObject, load_scene, sensor
 from .writer import DatasetWriter
 
 __all__ = [
+    "ConfusionMatrix",
     "Dataset",
     "DatasetWriter",
     "Error",
     "InputError",
+    "JoinedDataset",
     "Objects",
     "Ontology",
     "PassWriter",
@@ -51,6 +55,7 @@ __all__ = [
     "export",
     "generate",
     "load_scene",
+    "ontology",
     "open",
     "pad_batch",
     "picture",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any, Union
 
@@ -15,6 +16,16 @@ from .words import advice
 Group = Union[str, Sequence[str]]
 
 LABELS = 65536  # number of values that a label can have
+
+
+def load_ontology(name_or_path: str | os.PathLike[str]) -> Ontology:
+    """Returns the ontology of a file, or of one that comes with the program: "scanmill", "semantic_kitti", "nuscenes",
+    "kitti", "carla", "cityscapes", "nyu40" or "scannet". Raises InputError for an unknown name and a damaged file."""
+    from .simulate import Scene  # imports this module
+
+    # Scenes read ontologies, and need a triangle.
+    part = {"class": "unlabeled", "vertices": np.eye(3), "triangles": [[0, 1, 2]]}
+    return Scene.from_arrays([part], labels=os.fspath(name_or_path)).ontology
 
 
 class Ontology:
@@ -48,6 +59,17 @@ class Ontology:
 
     def __repr__(self) -> str:
         return f"<Ontology {self.name}: {len(self)} classes>"
+
+    def classes(self) -> list[dict[str, Any]]:
+        """Returns the classes, as in a manifest: maps of id, name, color, thing and aliases."""
+        rows = zip(self.ids.tolist(), self.names, self.colors.tolist(), self.things.tolist())
+        return [
+            {"id": i, "name": name, "color": color, "thing": thing, "aliases": self._aliases_of(i)}
+            for i, name, color, thing in rows
+        ]
+
+    def _aliases_of(self, class_id: int) -> list[str]:
+        return [alias for alias, i in self._ids.items() if i == class_id and alias not in self.names]
 
     def id_of(self, name: str) -> int:
         """Returns the id of the class with this name or alias. Raises InputError, which suggests a similar name, if
@@ -89,3 +111,57 @@ class Ontology:
         table = np.zeros((LABELS, 3), np.uint8)
         table[self.ids] = self.colors
         return table
+
+
+def common_ontology(ontologies: Sequence[Ontology]) -> tuple[Ontology, list[NDArray[np.int32] | None]]:
+    """Returns an ontology with the classes of all, and for each of them a table (65536,) from its labels to common ids;
+    None if it is equal to the common one. JoinedDataset states which classes are one."""
+    common: list[dict[str, Any]] = []
+    class_of: dict[str, dict[str, Any]] = {}  # the common class of each name
+    tables: list[NDArray[np.int32] | None] = []
+    for ontology in ontologies:
+        own = ontology.classes()
+        partners = _partners(own, common, class_of)
+        used = {c["id"] for c in [*common, *own]}
+        taken = {c["id"] for c in common}
+        table = np.zeros(LABELS, np.int32)
+        for c in own:
+            joined = partners.get(c["name"])
+            if joined is None:
+                joined = {**c, "id": min(set(range(LABELS)) - used) if c["id"] in taken else c["id"]}
+                used.add(joined["id"])
+                common.append(joined)
+            joined["aliases"] = [*joined["aliases"], *c["aliases"], c["name"]]
+            class_of[c["name"]] = joined
+            table[c["id"]] = joined["id"]
+        tables.append(table)
+    for c in common:  # a name of one class is no alias of another one
+        c["aliases"] = [alias for alias in dict.fromkeys(c["aliases"]) if class_of.get(alias, c) is c]
+    result = Ontology({"name": " + ".join(dict.fromkeys(o.name for o in ontologies)), "classes": common})
+    same = [o.names == result.names and np.array_equal(o.ids, result.ids) for o in ontologies]
+    return result, [None if equal else table for equal, table in zip(same, tables)]
+
+
+def _partners(
+    own: list[dict[str, Any]], common: list[dict[str, Any]], class_of: Mapping[str, dict[str, Any]]
+) -> dict[str, dict[str, Any]]:
+    """Returns the classes of `common` that are the same as classes of `own`, by the names of the latter."""
+    partners = {c["name"]: other for c in own for other in common if c["name"] == other["name"]}
+    known = [(c, class_of[c["name"]]) for c in own if c["name"] in class_of]
+    pairs = [
+        (c, other)
+        for c in _narrow(own, common)
+        for other in _narrow(common, own)
+        if c["name"] in other["aliases"] or other["name"] in c["aliases"]
+    ]
+    alone = [p for p in pairs if sum(c is p[0] for c, _ in pairs) == sum(other is p[1] for _, other in pairs) == 1]
+    for c, other in [*known, *alone]:
+        if c["name"] not in partners and not any(other is partner for partner in partners.values()):
+            partners[c["name"]] = other
+    return partners
+
+
+def _narrow(classes: list[dict[str, Any]], others: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Returns the classes whose aliases are names of at most one of the others."""
+    names = {other["name"] for other in others}
+    return [c for c in classes if len(names.intersection(c["aliases"])) < 2]

@@ -48,7 +48,8 @@ class SampleReader:
         seed: int = 0,
     ) -> None:
         """`sensor` and `columns`: see Sample.scan(); the column `label` is also read if train ids need it. Of a sensor
-        with several revolutions in a sample, the first is read.
+        with several revolutions in a sample, the first is read. Of a JoinedDataset, only those columns, poses and
+        staggers are returned that all of its sets have.
 
         `train_ids`: a table returned by Ontology.train_ids(). `boxes`: True for boxes of all classes, or a list of
         class names. Objects with fewer than `min_points` points are left out. `transform`: a list of
@@ -101,6 +102,8 @@ class SampleReader:
             out["target"] = self.train_ids[scan["label"]].astype(np.int64)
         if self.boxes is not False:
             out.update(self._boxes(sample))
+        for name in sample.dataset.partial_names(self.sensor):
+            out.pop(name, None)
         return out
 
     def _boxes(self, sample: Sample) -> dict[str, Any]:

@@ -58,13 +58,11 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
     revolution of the sensor takes longer than the time between frames.
     """
 
-    def __init__(self, source: Dataset | Path, split: str | None = None, *, repeat: int = 1, **reading: Any) -> None:
-        """`source`: a dataset or its path. `repeat`: how often an epoch has each scan, each time with other random
-        numbers: its weight beside other sets in a ConcatDataset. `reading`: arguments of SampleReader (sensor, columns,
-        train_ids, boxes, min_points, transform, mix, seed). Raises InputError for an unknown split, and for `repeat`
-        below 1."""
-        if repeat < 1:
-            raise InputError("repeat must be at least 1")
+    def __init__(self, source: Dataset | Path, split: str | None = None, **reading: Any) -> None:
+        """`source`: a dataset or its path; for several sets, scanmill.open([a, b], weights=[1, 4]). An epoch has each
+        sample as often as the weight of its set, each time with other random numbers. `reading`: arguments of
+        SampleReader (sensor, columns, train_ids, boxes, min_points, transform, mix, seed). Raises InputError for an
+        unknown split."""
         dataset = source if isinstance(source, Dataset) else open_dataset(source)
         self.dataset = dataset if split is None else dataset.split(split)
         self.reader = SampleReader(**reading)
@@ -72,7 +70,9 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
         if len(with_scan) < len(self.dataset):
             _warn_of_skipped(len(self.dataset) - len(with_scan), self.dataset.path)
             self.dataset = self.dataset.select(with_scan)
-        self.repeat = repeat
+        self._weights = self.dataset.weights
+        repetitions = np.arange(self._weights.max(initial=0))[:, np.newaxis]
+        self._order = np.argwhere(repetitions < self._weights)  # (len(self), 2): repetition, index of the sample
         self._epoch = _Epoch()
 
     def set_epoch(self, epoch: int) -> None:
@@ -81,11 +81,11 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
         self._epoch.set(epoch)
 
     def __len__(self) -> int:
-        return self.repeat * len(self.dataset)
+        return len(self._order)
 
     def __getitem__(self, index: int) -> dict[str, Any]:
-        repetition, number = divmod(range(len(self))[int(index)], len(self.dataset))
-        return self.reader(self.dataset[number], self._epoch.get() * self.repeat + repetition)
+        repetition, number = self._order[int(index)].tolist()
+        return self.reader(self.dataset[number], self._epoch.get() * int(self._weights[number]) + repetition)
 
 
 class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
