@@ -4,8 +4,8 @@
     scripts/train_example.py out/training -o out/trained --judge village=out/village --judge real=/data/SemanticKITTI/sequences/08
 
 It learns on the split `train` of a dataset, keeps the weights that are best on `val`, and is judged on `test` and on each
-set that --judge names: a dataset of Scanmill's, or a folder of SemanticKITTI's (velodyne/*.bin beside labels/*.label) of
-scans that somebody recorded, or a folder of such sets (docs/vary.md, Corruption sets). OUT gets
+set that --judge names: a dataset of Scanmill's, or a folder of scans that somebody recorded, in SemanticKITTI's layout
+(velodyne/*.bin beside labels/*.label), or a folder of such sets (docs/vary.md, Corruption sets). OUT gets
 figures.json (intersection over union by class and the confusion of classes, of each set), a picture of scans with truth
 and answer, one of the confusion, and the weights.
 
@@ -28,7 +28,6 @@ python3-matplotlib, and the package scanmill (docs/python.md).
 """
 
 import argparse
-import glob
 import json
 import os
 import pickle
@@ -43,11 +42,12 @@ try:
     import numpy as np
     import scanmill
     import torch
+    from scanmill import ConfusionMatrix
     from scanmill.augment import Compose, DropPoints, Flip, Scale, Turn
     from scanmill.torch import ScanDataset
     from torch import nn
     from torch.nn import functional
-    from torch.utils.data import ConcatDataset, DataLoader, Dataset
+    from torch.utils.data import DataLoader
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
@@ -55,20 +55,19 @@ except ImportError as error:
     sys.exit(f"error: {error}: {sys.executable} lacks what this wants; docs/training.md makes an environment that has it, whose Python is "
              "~/.venvs/scanmill/bin/python")  # fmt: skip
 
-# What is learned: classes of Scanmill's ontology, and the ids of SemanticKITTI that mean the same.
+# What is learned: names of classes in Scanmill's ontology and in SemanticKITTI's.
+MOVING = ["moving-car", "moving-on-rails", "moving-bus", "moving-truck", "moving-other-vehicle"]
+RIDING = ["bicyclist", "moving-bicyclist", "moving-motorcyclist", "person", "moving-person"]
 CLASSES = {
-    "road": (["road", "road_marking", "parking", "ground"], [40, 44, 49, 60]),
-    "sidewalk": (["sidewalk", "curb", "driveway"], [48]),
-    "terrain": (["terrain"], [72]),
-    "building": (["building", "window", "structure"], [50, 52]),
-    "fence": (["fence", "wall"], [51]),
-    "vegetation": (["vegetation", "tree", "trunk"], [70, 71]),
-    "pole": (["pole", "traffic_sign", "traffic_light", "street_lamp"], [80, 81]),
-    "vehicle": (["car", "truck", "bus", "other_vehicle"], [10, 13, 16, 18, 20, 252, 256, 257, 258, 259]),
-    "person": (
-        ["pedestrian", "rider", "motorcyclist", "bicycle", "motorcycle"],
-        [11, 15, 30, 31, 32, 253, 254, 255],
-    ),
+    "road": ["road", "road_marking", "lane-marking", "parking", "ground", "other-ground"],
+    "sidewalk": ["sidewalk", "curb", "driveway"],
+    "terrain": ["terrain"],
+    "building": ["building", "window", "structure", "other-structure"],
+    "fence": ["fence", "wall"],
+    "vegetation": ["vegetation", "tree", "trunk"],
+    "pole": ["pole", "traffic_sign", "traffic-sign", "traffic_light", "street_lamp"],
+    "vehicle": ["car", "truck", "bus", "on-rails", "other_vehicle", "other-vehicle", *MOVING],
+    "person": ["pedestrian", "rider", "motorcyclist", "bicycle", "motorcycle", *RIDING],
 }
 NAMES = list(CLASSES)
 PICTURED = 12  # sets
@@ -81,56 +80,31 @@ COLORS = np.array(
 IGNORE = 255
 
 
-class RecordedScans(Dataset):
-    """A folder of SemanticKITTI's: velodyne/NNNNNN.bin, float32 x, y, z, remission, and labels/NNNNNN.label, whose lower
-    16 bits are the class. `part`: "train" is nine scans of ten, "val" each tenth, otherwise all of them. `repeat`: how often
-    an epoch has each scan."""
-
-    def __init__(self, folder: Path, part: str = "", augment: Sequence = (), seed: int = 0, repeat: int = 1) -> None:
-        self.transform, self.epoch, self.repeat = Compose(augment, seed), 0, repeat
-        self.table = np.full(65536, IGNORE, np.int64)
-        for train_id, (_, ids) in enumerate(CLASSES.values()):
-            self.table[ids] = train_id
-        self.scans = [s for s in self.files_in(folder) if self.labels_of(s).exists()]
-        if not self.scans:
-            sys.exit(f"error: {folder} has no manifest.json, and no velodyne/*.bin with labels/*.label beside it")
-        if part:
-            self.scans = [s for i, s in enumerate(self.scans) if (i % 10 == 9) == (part == "val")]
-
-    def set_epoch(self, epoch: int) -> None:
-        self.epoch = epoch
-
-    @staticmethod
-    def files_in(folder: Path) -> list[Path]:
-        """The scans below a folder, also behind links to other folders, in order."""
-        return [Path(p) for p in sorted(glob.glob(f"{glob.escape(str(folder))}/**/velodyne/*.bin", recursive=True))]
-
-    @staticmethod
-    def labels_of(scan: Path) -> Path:
-        return scan.parent.parent / "labels" / f"{scan.stem}.label"
-
-    def __len__(self) -> int:
-        return self.repeat * len(self.scans)
-
-    def __getitem__(self, index: int) -> dict:
-        repetition, index = divmod(index, len(self.scans))
-        points = np.fromfile(self.scans[index], np.float32).reshape(-1, 4)
-        labels = np.fromfile(self.labels_of(self.scans[index]), np.uint32)
-        if len(labels) != len(points):
-            sys.exit(f"error: {self.scans[index]} has {len(points)} points and {len(labels)} labels")
-        keep = (points[:, :3] != 0).any(axis=1)
-        sample = {"xyz": points[keep, :3], "intensity": points[keep, 3], "target": self.table[labels[keep] & 0xFFFF]}
-        return self.transform(sample, index, self.epoch * self.repeat + repetition)
+def open_set(path: Path) -> scanmill.Dataset:
+    """A dataset of Scanmill's, or the labelled sequences of a recorded set."""
+    dataset = scanmill.open(path)
+    if dataset.manifest is None:
+        sequences = dataset.sequences.values()
+        dataset = dataset.select([k for keys in sequences if "label" in dataset[keys[0]].scan().names for k in keys])
+        if not len(dataset):
+            sys.exit(f"error: {path} has no manifest.json, and no velodyne/*.bin with labels/*.label beside it")
+    return dataset
 
 
-class SimulatedScans(ScanDataset):
-    """A dataset of Scanmill's."""
+def part_of(dataset: scanmill.Dataset, part: str) -> scanmill.Dataset:
+    """The split "train" or "val". Recorded scans: nine of ten, and each tenth, whatever their sequence."""
+    if dataset.manifest is not None:
+        return dataset.split(part)
+    return dataset.select([i for i in range(len(dataset)) if (i % 10 == 9) == (part == "val")])
 
-    def __init__(self, path: Path, split: str | None = None, augment: Sequence = (), seed: int = 0, repeat: int = 1) -> None:
-        dataset = scanmill.open(path)
-        table = dataset.ontology.train_ids([names for names, _ in CLASSES.values()], IGNORE)
-        transform = Compose(augment, seed)
-        super().__init__(dataset, split, repeat=repeat, columns=["intensity"], train_ids=table, transform=transform)
+
+def scans_of(dataset: scanmill.Dataset, augment: Sequence = (), seed: int = 0) -> ScanDataset:
+    """The scans of a dataset, with the classes that are learned."""
+    groups = [[name for name in names if name in dataset.ontology.names] for names in CLASSES.values()]
+    if not all(groups):
+        sys.exit(f"error: {dataset.path}: its ontology {dataset.ontology.name} lacks classes: name them in CLASSES")
+    table = dataset.ontology.train_ids(groups, IGNORE)
+    return ScanDataset(dataset, columns=["intensity"], train_ids=table, transform=Compose(augment, seed))
 
 
 class Images:
@@ -231,37 +205,31 @@ def shift_height(sample: dict, rng: np.random.Generator) -> dict:
     return {**sample, "xyz": sample["xyz"] + np.float32([0, 0, rng.uniform(-0.3, 0.3)])}
 
 
-def confusion_of(network: nn.Module, scans: Dataset, images: Images) -> np.ndarray:
-    """How many points of each class (row) were taken for which (column), over all points of all scans. Points that no
-    pixel shows, behind others or outside of the window, have their pixel's answer or count as wrong for nobody."""
-    counts = np.zeros((len(CLASSES), len(CLASSES)), np.int64)
+def confusion_of(network: nn.Module, scans: ScanDataset, images: Images) -> ConfusionMatrix:
+    """Which class points were taken for, over all points of all scans. Points that no pixel shows, behind others or
+    outside of the window, have their pixel's answer or count as wrong for nobody."""
+    confusion = ConfusionMatrix(NAMES, IGNORE)
     network.eval()
     with torch.no_grad():
         for batch in DataLoader(scans, collate_fn=images):
-            answer = network(batch["image"]).argmax(1).numpy().astype(np.int64)
+            answer = network(batch["image"]).argmax(1).numpy()
             for pixels, projection, sample in zip(answer, batch["projections"], batch["samples"]):
-                given = projection.points(pixels, IGNORE)
-                known = (given != IGNORE) & (sample["target"] != IGNORE)
-                pairs = sample["target"][known] * len(CLASSES) + given[known]
-                counts += np.bincount(pairs, minlength=counts.size).reshape(counts.shape)
-    return counts
+                confusion.add(sample["target"], projection.points(pixels, IGNORE))
+    return confusion
 
 
-def figures_of(counts: np.ndarray) -> dict:
+def figures_of(confusion: ConfusionMatrix) -> dict:
     """Intersection over union of each class that the set has, their mean, and the share of points that are right."""
-    right = np.diag(counts)
-    union = counts.sum(0) + counts.sum(1) - right
-    present = counts.sum(1) > 0
-    iou = {name: float(right[i] / union[i]) for i, name in enumerate(NAMES) if present[i]}
+    present = confusion.matrix.sum(1) > 0
     return {
-        "miou": float(np.mean(list(iou.values()))) if iou else 0.0,
-        "accuracy": float(right.sum() / max(counts.sum(), 1)),
-        "iou": iou,
-        "confusion": counts.tolist(),
+        "miou": confusion.miou if present.any() else 0.0,
+        "accuracy": confusion.accuracy if present.any() else 0.0,
+        "iou": {name: iou for name, iou, shown in zip(NAMES, confusion.iou().tolist(), present) if shown},
+        "confusion": confusion.matrix.tolist(),
     }
 
 
-def train(network: Network, training: ConcatDataset, held_out: list, images: Images, options: argparse.Namespace) -> dict:
+def train(network: Network, training: ScanDataset, held_out: list, images: Images, options: argparse.Namespace) -> dict:
     """Trains for a number of steps of two scans each, and leaves the weights in the network that are best on the sets of
     held_out, pairs of a set and how often it counts."""
     weights = np.sqrt(1 / np.maximum(class_shares(training), 1e-4))
@@ -274,8 +242,7 @@ def train(network: Network, training: ConcatDataset, held_out: list, images: Ima
     looks = {max(1, round(options.steps * share)) for share in (0.25, 0.5, 0.7, 0.85, 1)}
     start, step, epoch, best, losses = time.monotonic(), 0, 0, -1.0, []
     while step < options.steps:
-        for scans in training.datasets:
-            scans.set_epoch(epoch)
+        training.set_epoch(epoch)
         for batch in loader:
             network.train()
             adam.zero_grad()
@@ -289,7 +256,10 @@ def train(network: Network, training: ConcatDataset, held_out: list, images: Ima
             if step not in looks and step % max(1, options.steps // 24) == 0:
                 print(f"step {step}: loss {np.mean(losses[-50:]):.3f}, {minutes * (options.steps / step - 1):.1f} min left", flush=True)
             if step in looks:
-                now = figures_of(sum(times * confusion_of(network, scans, images) for scans, times in held_out))["miou"]
+                confusion = ConfusionMatrix(NAMES, IGNORE)
+                for scans, times in held_out:
+                    confusion.matrix += times * confusion_of(network, scans, images).matrix
+                now = figures_of(confusion)["miou"]
                 if now > best:
                     best, kept = now, {name: value.clone() for name, value in network.state_dict().items()}
                 left = minutes * (options.steps / step - 1)
@@ -299,11 +269,10 @@ def train(network: Network, training: ConcatDataset, held_out: list, images: Ima
                 break
         epoch += 1
     network.load_state_dict(kept)
-    distinct = sum(len(scans) // scans.repeat for scans in training.datasets)
-    return {"scans": distinct, "epochs": epoch, "minutes": round((time.monotonic() - start) / 60, 1)}
+    return {"scans": len(training.dataset), "epochs": epoch, "minutes": round((time.monotonic() - start) / 60, 1)}
 
 
-def class_shares(scans: Dataset) -> np.ndarray:
+def class_shares(scans: ScanDataset) -> np.ndarray:
     """The share of points of each class, of up to 40 scans."""
     chosen = np.linspace(0, len(scans) - 1, min(len(scans), 40)).astype(int)
     counts = np.zeros(len(CLASSES))
@@ -401,30 +370,27 @@ def pictured(names: list[str]) -> list[str]:
     return chosen[:PICTURED]
 
 
-def source(text: str) -> tuple[Path, int, type]:
-    """What FOLDER or FOLDER:TIMES names: the folder, how often an epoch has each of its scans, and the class that reads it."""
+def source(text: str) -> tuple[Path, int, scanmill.Dataset]:
+    """What FOLDER or FOLDER:TIMES names: the folder, how often an epoch has each of its scans, and the set."""
     folder, times = Path(text), 1
     found = re.fullmatch(r"(.+):(\d+)", text)
     if found and not folder.exists():
         folder, times = Path(found[1]), int(found[2])
     if times < 1:
         sys.exit(f"error: {text}: an epoch has each scan once or more often")
-    recorded = not (folder / "manifest.json").exists() and bool(RecordedScans.files_in(folder))
-    return folder, times, RecordedScans if recorded else SimulatedScans
+    return folder, times, open_set(folder)
 
 
-def opened(text: str) -> dict[str, Dataset]:
+def opened(text: str) -> dict[str, ScanDataset]:
     """The set that an option --judge names, or all of those in the folder that it names, as NAME/FOLDER."""
     name, separator, path = text.partition("=")
     if not separator:
         sys.exit(f"error: --judge wants NAME=FOLDER, not '{text}'")
     if not Path(path).exists():
         sys.exit(f"error: --judge {name}: no folder {path}")
-    if (Path(path) / "manifest.json").exists():
-        return {name: SimulatedScans(path)}
     folders = sorted((m.parent for m in Path(path).glob("*/manifest.json")), key=lambda folder: severity(folder.name))
-    within = {f"{name}/{folder.name}": SimulatedScans(folder) for folder in folders}
-    return within or {name: RecordedScans(Path(path))}
+    within = {f"{name}/{folder.name}": scans_of(open_set(folder)) for folder in folders}
+    return within or {name: scans_of(open_set(Path(path)))}
 
 
 def read_weights(path: Path) -> dict:
@@ -470,19 +436,21 @@ def main() -> None:
     torch.set_num_threads(options.threads)
     augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2)]
     sources = [source(text) for text in options.folders]
-    simulated = [folder for folder, _, scans_of in sources if scans_of is SimulatedScans]
+    simulated = [(folder, dataset) for folder, _, dataset in sources if dataset.manifest is not None]
     if not simulated and not options.judge:
         sys.exit(f"error: {options.folders[0]} has recorded scans, which have no test set: name others with --judge")
     sets, training = {}, None
     if not options.weights:
-        training = ConcatDataset([scans_of(folder, "train", augment, options.seed, times) for folder, times, scans_of in sources])
+        weights = [times for _, times, _ in sources]
+        parts = [part_of(dataset, "train") for _, _, dataset in sources]
+        training = scans_of(parts[0] if weights == [1] else scanmill.open(parts, weights), augment, options.seed)
         if len(training) < 2:
             sys.exit(f"error: {options.folders[0]} has {len(training)} scan to learn from; a step takes two")
-        held_out = [(scans_of(folder, "val"), times) for folder, times, scans_of in sources]
+        held_out = [(scans_of(part_of(dataset, "val")), times) for _, times, dataset in sources]
         if not any(len(scans) for scans, _ in held_out):
             sys.exit(f"error: {options.folders[0]} has {len(training)} scans; ten scans at least are needed, every tenth is val")
     if training is not None or not options.judge:
-        sets = {"test" if len(simulated) == 1 else f"test of {folder}": SimulatedScans(folder, "test") for folder in simulated}
+        sets = {"test" if len(simulated) == 1 else f"test of {folder}": scans_of(d.split("test")) for folder, d in simulated}
     for text in options.judge:
         sets.update(opened(text))
     images = Images(options.rings, options.columns, tuple(options.elevation))
@@ -496,7 +464,7 @@ def main() -> None:
         network.load_state_dict(options.learned["network"])
     else:
         size = sum(p.numel() for p in network.parameters())
-        learned = ", ".join(f"{times} x {len(s) // times} scans of {p}" for s, (p, times, _) in zip(training.datasets, sources))
+        learned = ", ".join(f"{times} x {len(part)} scans of {folder}" for part, (folder, times, _) in zip(parts, sources))
         print(f"{size} weights, to learn {learned}; {torch.get_num_threads()} threads", flush=True)
         trained = train(network, training, held_out, images, options)
         image = {name: getattr(options, name) for name in IMAGE}

@@ -20,7 +20,7 @@ import torch
 from scanmill.torch import CollateRangeImages, ScanDataset
 from torch import nn
 from torch.nn import functional
-from torch.utils.data import ConcatDataset, DataLoader
+from torch.utils.data import DataLoader
 
 plt.rcParams.update({"figure.dpi": 80, "axes.spines.top": False, "axes.spines.right": False})
 torch.set_num_threads(1)  # enough for so small a network, and the same result on every run
@@ -80,18 +80,17 @@ table = ontology.train_ids(list(groups.values()))
 images = CollateRangeImages(32, 512, channels=["range", "z", "intensity"])
 
 
-def batches(*sets, size=1, shuffle=False):
-    """Batches of one or several sets, each a name, or a name and how often an epoch has each of its scans."""
-    pairs = [(one, 1) if isinstance(one, str) else one for one in sets]
-    reading = {"columns": ["intensity", "ring", "column"], "train_ids": table}
-    scans = [ScanDataset(name, repeat=times, **reading) for name, times in pairs]
-    turned = [] if scans[0].dataset.sensors["top"]["top_down"] else [-2]  # dimensions that are reversed
+def batches(*names, weights=None, size=1, shuffle=False):
+    """Batches of one or several sets; `weights`: how often an epoch has each scan of each set."""
+    sets = scanmill.open(names, weights)
+    scans = ScanDataset(sets, columns=["intensity", "ring", "column"], train_ids=table)
+    turned = [] if sets.sets[0].sensors["top"]["top_down"] else [-2]  # dimensions that are reversed
 
     def collate(samples):
         batch = images(samples)
         return {key: batch[key].flip(turned) for key in ("image", "mask", "target")}
 
-    return DataLoader(ConcatDataset(scans), size, shuffle, collate_fn=collate)
+    return DataLoader(scans, size, shuffle, collate_fn=collate)
 
 
 def inputs(batch):
@@ -135,10 +134,10 @@ class Network(nn.Module):
 # Rare classes weigh more in the loss. Both networks begin with the same weights and see the same places in the same
 # order.
 # %%
-def train(*sets, steps=180):
+def train(*names, weights=None, steps=180):
     torch.manual_seed(1)
     network = Network()
-    loader = batches(*sets, size=4, shuffle=True)
+    loader = batches(*names, weights=weights, size=4, shuffle=True)
     counts = sum(torch.bincount(b["target"].flatten(), minlength=256)[: len(groups)] for b in loader)
     weight = (counts.sum() / counts).sqrt()
     adam = torch.optim.AdamW(network.parameters())
@@ -175,12 +174,10 @@ def answer_of(network, batch):
 
 
 def judge(network, name):
-    counts = np.zeros((len(groups), len(groups)))
+    confusion = scanmill.ConfusionMatrix(list(groups))
     for batch in batches(name):
-        known = batch["target"] != 255
-        np.add.at(counts, (batch["target"][known].numpy(), answer_of(network, batch)[known].numpy()), 1)
-    right = np.diag(counts)
-    return right / (counts.sum(0) + counts.sum(1) - right)
+        confusion.add(batch["target"], answer_of(network, batch))
+    return confusion.iou()
 
 
 sets = ["without noise", "wide beams", "with noise", "in rain", "other sensor"]
@@ -217,8 +214,8 @@ plt.show()
 # With twenty labelled scans of your own, do you train on these, on towns, or on both? No recorded scans come with this
 # notebook: **twenty scans of a village stand for labelled real ones**. Its roads, houses and trees are those of a map;
 # another unit of the sensor sees them from a higher mount that looks down. The networks are judged on another road of
-# the village, and all three learn in as many steps. In `both` the labelled scans have the weight 4, `repeat` of
-# `ScanDataset`: they are 80 of the 152 scans of an epoch.
+# the village, and all three learn in as many steps. In `both` the labelled scans have the weight 4, one of the
+# `weights` of `scanmill.open`: they are 80 of the 152 scans of an epoch.
 # %%
 def generate_village(name, seed, trajectory):
     """Another unit of the sensor, in another mount."""
@@ -237,7 +234,7 @@ generate_village("other road", 2, {**on_it, "speed": 8, "every_m": 10, "frames":
 learned = {
     "towns alone": trained["realistic"][0],
     "labelled scans alone": train("labelled")[0],
-    "both": train("realistic", ("labelled", 4))[0],
+    "both": train("realistic", "labelled", weights=[1, 4])[0],
 }
 gained = {name: judge(network, "other road") for name, network in learned.items()}
 

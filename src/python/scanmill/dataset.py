@@ -160,16 +160,20 @@ class Dataset(Sequence["Sample"]):
         self, table: NDArray[Any], split: str | None = None, sensor: str | None = None, ignore: int = 255
     ) -> NDArray[np.float32]:
         """Returns weights of a loss for the train ids of a table, as Ontology.train_ids() returns it, float32 (K,):
-        1 / ln(1.02 + p), where p is the share of the train id among all points that are not ignored (Paszke et al.,
-        ENet, 2016). They are from 1.42 to 50.5. Raises InputError like class_counts()."""
+        1 / ln(1.02 + p), where p is the share of the train id among all points of an epoch that are not ignored (Paszke
+        et al., ENet, 2016). They are from 1.42 to 50.5. Raises InputError like class_counts()."""
         labels = np.flatnonzero(table != ignore)
-        counts = np.bincount(table[labels], self._label_counts(split, sensor)[labels])
+        counts = np.bincount(table[labels], self._label_counts(split, sensor, weighted=True)[labels])
         return (1 / np.log(1.02 + counts / max(counts.sum(), 1))).astype(np.float32)
 
-    def _label_counts(self, split: str | None, sensor: str | None) -> NDArray[np.int64]:
-        """Returns the number of points with each label, (65536,); see class_counts()."""
+    def _label_counts(self, split: str | None, sensor: str | None, weighted: bool = False) -> NDArray[np.int64]:
+        """Returns the number of points with each label, (65536,); see class_counts(). `weighted`: in an epoch."""
         samples = self if split is None else self.split(split)
-        return sum((s.label_counts(sensor) for s in samples if s.has_scan(sensor)), np.zeros(LABELS, np.int64))
+        counts = np.zeros(LABELS, np.int64)
+        for sample, weight in zip(samples, samples.weights if weighted else np.ones(len(samples), np.int64)):
+            if sample.has_scan(sensor):
+                counts += weight * sample.label_counts(sensor)
+        return counts
 
     def split(self, name: str) -> Dataset:
         """Returns the samples of one split. Raises InputError if there is no split of this name."""

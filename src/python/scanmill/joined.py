@@ -71,7 +71,7 @@ class JoinedDataset(Dataset):
     the common ids, 0 for ids without a class.
     """
 
-    store: JoinedStore
+    store: JoinedStore  # type: ignore[assignment]
 
     @property
     def sets(self) -> list[Dataset]:
@@ -118,5 +118,5 @@ class JoinedDataset(Dataset):
 
 def _known_of(scan: Scan) -> list[str]:
     """Returns which of the values are known that a sample has besides its columns (see SampleReader)."""
-    values = {"world_from_sensor": scan.poses, "stagger": scan.stagger}
+    values = {"world_from_sensor": scan.poses, "stagger": scan.stagger if {"ring", "column"} <= {*scan.names} else None}
     return [name for name, value in values.items() if value is not None]
