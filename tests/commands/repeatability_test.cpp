@@ -33,14 +33,5 @@ TEST_F(RepeatabilityCommand, WritesFiguresThatTheScriptDraws) {
   }
 }
 
-TEST_F(RepeatabilityCommand, QuietIsOneLine) {
-  std::vector<std::string> quiet = arguments("a");
-  quiet.emplace_back("-q");
-  const Outcome o = scanmill(quiet);
-  EXPECT_EQ(o.code, 0) << o.error;
-  EXPECT_EQ(std::count(o.out.begin(), o.out.end(), '\n'), 1);
-  EXPECT_EQ(o.error, "");
-}
-
 }  // namespace
 }  // namespace scanmill

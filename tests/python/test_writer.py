@@ -32,10 +32,9 @@ class Writer(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.out = Path(folder.name) / "loop"
         self.scene = scanmill.load_scene("primitives")
-        self.made = []  # whether add() has scanned each sample of the last loop
 
     def write(self, places=PLACES, stop=99, **options):
-        self.made = []
+        self.made = []  # whether add() has scanned each sample
         with scanmill.DatasetWriter(self.out, LIDAR, effects=NOISE, shard_samples=2, **options) as writer:
             for i, place in enumerate(places):
                 if i == stop:
@@ -61,8 +60,7 @@ class Writer(unittest.TestCase):
 
     def test_an_interrupted_loop_goes_on_with_the_same_bytes(self):
         whole = digests(self.write().path)
-        with self.assertRaisesRegex(scanmill.InputError, "overwrite"):
-            self.write()
+        self.assertRaisesRegex(scanmill.InputError, "overwrite", self.write)
         with self.assertRaises(KeyboardInterrupt):
             self.write(stop=3, overwrite=True)
         self.assertEqual(digests(self.out), whole, "what is replaced stays until then")
@@ -76,8 +74,7 @@ class Writer(unittest.TestCase):
         self.assertEqual(self.made, [True, False, True, True, True], "the first of each shard is compared")
         self.write(resume=True)
         self.assertEqual(self.made, [True, False, False, False, False])
-        with self.assertRaisesRegex(scanmill.Error, "complete with 5 samples"):
-            self.write(PLACES[:3], resume=True)
+        self.assertRaisesRegex(scanmill.Error, "complete with 5 samples", self.write, PLACES[:3], resume=True)
 
     def test_one_writer_at_a_time(self):
         with scanmill.DatasetWriter(self.out, LIDAR, effects=None) as writer:
@@ -87,8 +84,7 @@ class Writer(unittest.TestCase):
             with self.assertRaisesRegex(scanmill.InputError, "name of a split"):
                 writer.add(self.scene, PLACES[1], split="../val")
         self.assertEqual(list(writer.dataset.splits), ["val"])
-        with self.assertRaisesRegex(scanmill.InputError, "complete"):
-            writer.add(self.scene, PLACES[1])
+        self.assertRaisesRegex(scanmill.InputError, "complete", writer.add, self.scene, PLACES[1])
 
     def test_boxes_follow_what_is_moved(self):
         self.scene.add({"class": "car", "vertices": CORNERS, "triangles": FACES}, name="cart", pose={"position": [0, -20, 0]})
