@@ -10,17 +10,22 @@
 namespace scanmill {
 namespace {
 
-// Reads the reflectance at a wavelength: one number for all wavelengths, or a map from wavelength (nm) to number.
-float readReflectance(const Value& value, int wavelengthNm) {
+constexpr int kWavelengths[] = {850, 905, 1064, 1550};  // nm
+
+// Reads a material's reflectance at a wavelength: one number for all wavelengths, or a map from wavelength (nm) to
+// number. Tables may leave out 1550 nm; then only reading them at 1550 nm throws.
+float readReflectance(const Value& value, const std::string& material, int wavelengthNm) {
   if (value.kind != Value::Kind::Map) return static_cast<float>(readNumber(value, "reflectance", {0, 1}));
   Fields fields(value, "reflectance");
   float reflectance = 0;
-  for (const int wavelength : {850, 905, 1064}) {
-    const double wavelengthReflectance = fields.number(std::to_string(wavelength), {0, 1});
+  for (const int wavelength : kWavelengths) {
+    const std::optional<double> ifAbsent = wavelength == 1550 ? std::optional(-1.0) : std::nullopt;
+    const double wavelengthReflectance = fields.number(std::to_string(wavelength), {0, 1}, ifAbsent);
     if (wavelength == wavelengthNm) reflectance = static_cast<float>(wavelengthReflectance);
   }
   fields.finish();
-  return reflectance;
+  if (reflectance >= 0) return reflectance;
+  throw InputError(value.where, "material '{}' has no reflectance at 1550 nm: add the key 1550 to the map", material);
 }
 
 // Sets Material::least and Material::greatest. The key `range` states both limits at 905 nm; they are scaled by the
@@ -72,8 +77,8 @@ const Material& MaterialLibrary::require(std::string_view name, const Location& 
 }
 
 MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm) {
-  if (wavelengthNm != 850 && wavelengthNm != 905 && wavelengthNm != 1064) {
-    throw InputError(fmt::format("materials are known at 850, 905 and 1064 nm, not at {} nm", wavelengthNm));
+  if (std::ranges::find(kWavelengths, wavelengthNm) == std::end(kWavelengths)) {
+    throw InputError(fmt::format("materials are known at 850, 905, 1064 and 1550 nm, not at {} nm", wavelengthNm));
   }
   const Value root = readYaml(path);
   expectKind(root, FileKind::Materials);
@@ -88,8 +93,8 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     Material material;
     material.name = fields.text("name");
     if (material.name.empty()) throw InputError(item.where, "a material has an empty name");
-    material.reflectance = readReflectance(fields.require("reflectance"), wavelengthNm);
-    readRange(fields, readReflectance(fields.require("reflectance"), 905), material);
+    material.reflectance = readReflectance(fields.require("reflectance"), material.name, wavelengthNm);
+    readRange(fields, readReflectance(fields.require("reflectance"), material.name, 905), material);
     material.source = fields.text("source");
     material.roughness = static_cast<float>(fields.number("roughness", {0, 1}, 1));
     material.metallic = static_cast<float>(fields.number("metallic", {0, 1}, 0));

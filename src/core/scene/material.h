@@ -79,8 +79,8 @@ struct MaterialLibrary {
   const Material& require(std::string_view name, const Location& where) const;
 };
 
-// Reads a table of materials. `wavelengthNm` selects the reflectances at 850, 905 or 1064 nm. Throws InputError with
-// the place in the file.
+// Reads a table of materials. `wavelengthNm` selects the reflectances at 850, 905, 1064 or 1550 nm. Throws InputError
+// with the place in the file.
 MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm = 905);
 
 }  // namespace scanmill

@@ -48,7 +48,16 @@ TEST(Materials, theWavelengthPicksTheColumn) {
   EXPECT_FLOAT_EQ(readMaterials(kMaterials, 850).require("snow", {}).reflectance, 0.938f);
   EXPECT_FLOAT_EQ(readMaterials(kMaterials, 905).require("snow", {}).reflectance, 0.911f);
   EXPECT_FLOAT_EQ(readMaterials(kMaterials, 1064).require("snow", {}).reflectance, 0.829f);
+  EXPECT_FLOAT_EQ(readMaterials(kMaterials, 1550).require("snow", {}).reflectance, 0.11f);  // all have this column
   expectInputError([] { readMaterials(kMaterials, 532); }, {"532", "905"});
+}
+
+TEST(Materials, tablesMayLeaveOut1550nm) {
+  const TemporaryFolder folder;
+  const auto file = folder.write(
+      "m.yaml", "materials:\n  - {name: stone, reflectance: {850: 0.1, 905: 0.2, 1064: 0.3}, source: x}\n");
+  EXPECT_FLOAT_EQ(readMaterials(file, 1064).materials[0].reflectance, 0.3f);
+  expectInputError([&] { readMaterials(file, 1550); }, {"m.yaml:2", "'stone'", "1550"});
 }
 
 // A source "row: name of the library" quotes a row of measurements: its figures must be that row's.

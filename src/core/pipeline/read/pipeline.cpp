@@ -230,7 +230,7 @@ Pipeline pipelineOf(Value parsed, std::string text, const std::filesystem::path&
   pipeline.ontology = fields.optionalResource("labels", "labels").value_or("");
   pipeline.about = readAbout(fields.find("about"));
   readVehicle(fields, pipeline);
-  pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
+  pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064", "1550"}, "905"));
   DrawnSensors::Written written;
   pipeline.sensors = readSensors(fields, pipeline.seed, pipeline.vehicle, written);
   readPeriods(pipeline);
