@@ -284,12 +284,14 @@ void drawImage(const std::filesystem::path& path, const Arguments& parsed, const
   writePicture(screenshot, drawExr(source, plane == "all" ? "" : plane, size.width), source.file.stem().string());
 }
 
-// Opens a window or, if `outputs` replaces it, prints what is picked and writes the screenshot.
-void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs) {
-  const std::shared_ptr<const FrameSource> source = openFrames(input);
+// Opens a window or, if `outputs` replaces it, prints what is picked and writes the screenshot. `showsMap`: --map.
+void viewFrames(const ViewInput& input, bool showsMap, const ViewOptions& view, const PictureSize& size,
+                const Outputs& outputs) {
+  std::shared_ptr<const FrameSource> source = openFrames(input);
+  if (showsMap) source = mapOf(source, view.sample);
   auto loader = std::make_unique<FrameLoader>(source);
   // Requests the frame first, so that it loads while the canvas opens.
-  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);
+  if (!source->keys().empty()) loader->want(source->find(view.sample), 0);
   const std::unique_ptr<Canvas> canvas =
       outputs.window() ? openWindow(fmt::format("scanmill view {}", input.path.string()), size.width, size.height)
                        : openOffscreen(size.width, size.height);
@@ -318,6 +320,7 @@ void addOptions(CommandOptions& options) {
       "sample",
       "key, or index from 0, of a sample, the middle one where not given; a part of the name of a recording's image",
       textValue(), "KEY");
+  options.add("map", "all samples of the sequence in one map, in place of the one sample");
   options.add("sensor", "only this sensor's scans", textValue(), "NAME");
   options.add("over", "further scans to lay over those: samples are joined by their keys (may be repeated)",
               listValue(), "DATASET|SHARD|SCAN");
@@ -380,14 +383,13 @@ int runView(const std::vector<std::string>& arguments) {
       parseArguments(options, arguments,
                      "  scanmill view out/quickstart\n"
                      "  scanmill view out/quickstart --sample 12 --color intensity --camera above\n"
-                     "  scanmill view out/noisy --reference out/clean --color error\n"
+                     "  scanmill view out/quickstart --map --color height --screenshot map.png\n"
                      "  scanmill view out/noisy --reference out/clean --color error --scale 0,0.05\n"
                      "  scanmill view out/ray_tracing --over out/depth_camera --over out/particle\n"
                      "  scanmill view out/quickstart --color class --color range --mesh\n"
                      "  scanmill view out/quickstart --screenshot street.png --size 1920x1080 --hide road\n"
                      "  scanmill view out/quickstart --pick 800,450\n"
                      "  scanmill view out/quickstart --instance 4711 --color intensity\n"
-                     "  scanmill view out/passes --sample 000010 --screenshot passes.png\n"
                      "  scanmill view out/passes --sample 000010 --plane semantic --screenshot classes.png\n"
                      "  scanmill view out/quickstart --at 6.5,-2.7,-1 --within 2.5 --screenshot car.png\n"
                      "  scanmill view out/quickstart --range-image-alone --color range --screenshot ranges.png\n"
@@ -417,7 +419,7 @@ int runView(const std::vector<std::string>& arguments) {
   input.ontology = ontologyOption(parsed);
   input.scene = parsed.text("scene");
   if (parsed.has("seed")) input.seed = parsed.options["seed"].as<std::uint64_t>();
-  viewFrames(input, view, size, outputs);
+  viewFrames(input, parsed.has("map"), view, size, outputs);
   return 0;
 }
 

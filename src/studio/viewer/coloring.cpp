@@ -91,7 +91,7 @@ Coloring byReturn(const Scan& scan, const ColorContext& context) {
   };
   Coloring out{{}, {.title = "return"}};
   for (const auto& [number, counted] : paintPoints(scan, context, numberOf, colorOf, out.colors)) {
-    const std::string name = hasOneReturn  ? "first return (the only one)"
+    const std::string name = hasOneReturn  ? "not numbered (no column `return`)"
                              : number == 0 ? "not known"
                                            : fmt::format("return {}", number);
     out.legend.entries.push_back({.name = name, .color = counted.color, .points = counted.count});

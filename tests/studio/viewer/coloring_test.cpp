@@ -157,7 +157,7 @@ TEST(ColorScan, AllPointsAreFirstReturns) {
   scan.position[1].x = std::numeric_limits<float>::quiet_NaN();
   const Coloring c = colorScan(scan, ColorBy("return"), {});
   EXPECT_FALSE(c.legend.scale);
-  EXPECT_THAT(names(c.legend), testing::ElementsAre("first return (the only one)"));
+  EXPECT_THAT(names(c.legend), testing::ElementsAre("not numbered (no column `return`)"));
   EXPECT_THAT(counts(c.legend), testing::ElementsAre(2));
   EXPECT_THAT(c.colors, testing::ElementsAre(c.colors[0], c.colors[0], c.colors[0]));
   EXPECT_GT(luma(c.colors[0]), 59);

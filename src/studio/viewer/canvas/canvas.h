@@ -135,7 +135,7 @@ class Canvas {
   // chosen, to be fast during motion.
   virtual void render(std::uint64_t maxPoints = 0) = 0;
   virtual Image read() = 0;  // returns the picture that was drawn last
-  // Shows the window and passes its events to `handle`, and a Tick every `tickMilliseconds` (0: none), until `handle`
+  // Shows the window and passes its events to `handle`, and a Tick every `tickMilliseconds`, until `handle`
   // returns false or the window is closed. `handle` may call all functions except run() and may throw; run() rethrows.
   virtual void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) = 0;
 };

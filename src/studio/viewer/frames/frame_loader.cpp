@@ -31,6 +31,7 @@ FrameLoader::~FrameLoader() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
+  source_->stop();
   requested_.notify_all();
   thread_.join();
 }

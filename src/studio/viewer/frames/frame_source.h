@@ -27,6 +27,7 @@ struct ViewScan {
   std::string sensor;            // name of the sensor; empty if unknown
   std::uint32_t revolution = 0;  // index among the sensor's revolutions in the sample
   std::string method;            // name of the method; empty if unknown
+  std::size_t store = 0;         // 0: the scan is from ViewInput::path; n: from entry n - 1 of ViewInput::over
   Scan scan;
   // Positions of the points (m) in the sensor's frame at the start of the revolution; empty: Scan::position has them.
   std::vector<Vec3f> placed{};
@@ -88,10 +89,17 @@ class FrameSource {
   virtual const Ontology* ontology() const = 0;
   // True if a scene is shown without scans. Then the source has one frame without scans, and scene() returns the scene.
   virtual bool isScene() const { return false; }
+  // If the frame is a map of a sequence, returns the source of the sequence's samples; otherwise null.
+  virtual std::shared_ptr<const FrameSource> samples() const { return nullptr; }
+  // Returns the index of a frame. `name`: the frame's key, a part of the key that no other key contains, or its index
+  // from 0; empty: the middle frame. Throws InputError if there is no such frame; the message lists similar keys.
+  virtual std::size_t find(const std::string& name) const { return findKey(keys(), name, title()); }
   // Loads a frame. May be called from any thread. Does not throw for faults in the data, such as a damaged or missing
   // shard, a member that cannot be decoded, or a sample that is missing in a further dataset. These are reported in
   // ViewFrame::problems, with the file and what to do.
   virtual ViewFrame load(std::size_t frame) const = 0;
+  // Makes a load() on another thread return soon, with an incomplete frame, if it would take long.
+  virtual void stop() const {}
   // Returns the trajectory of the sequence that contains the frame: in each frame, the pose worldFromSensor of the
   // first shown scan with a known pose. Returns nothing if the poses are unknown.
   virtual std::vector<Pose> trajectory(std::size_t /*frame*/) const { return {}; }
@@ -127,10 +135,15 @@ class OneFrame final : public FrameSource {
 // cannot be read, or there is no such sensor.
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 
-// Returns the index of a frame. `name`: the frame's key, a part of the key that no other key contains, or its index
-// from 0; empty: the middle frame. Throws InputError if there is no such frame; the message lists similar keys.
-inline std::size_t findFrame(const FrameSource& source, const std::string& name) {
-  return findKey(source.keys(), name, source.title());
-}
+constexpr double kFinestMapVoxel = 0.05;         // least edge of a map's voxels (m)
+constexpr std::size_t kMostMapPoints = 3000000;  // largest number of points of a map
+
+// Returns a source of one frame: a map of the sequence to which a sample belongs. `name`: a part of the sequence's name
+// that no other sequence has, or a sample, see FrameSource::find(). The
+// map has the points of all samples of the sequence, in the level frame of the first sensor pose, thinned to one point
+// per voxel. If these are more than `mostPoints`, the edge of the voxels is doubled until they are not. Each method,
+// and each entry of ViewInput::over, has its own map. Throws InputError for a scene, or if there is no such sample.
+std::shared_ptr<const FrameSource> mapOf(std::shared_ptr<const FrameSource> samples, const std::string& name,
+                                         std::size_t mostPoints = kMostMapPoints);
 
 }  // namespace scanmill

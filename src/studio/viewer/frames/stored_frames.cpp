@@ -272,6 +272,7 @@ void StoredFrames::addError(Loading& loading, const std::string& key, bool senso
 void StoredFrames::loadScan(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   scan.sensor = loading.stored.sensor;
+  scan.store = static_cast<std::size_t>(loading.store - stores_.data());
   scan.revolution = loading.stored.revolution;
   scan.method = loading.stored.method;
   if (const ScanRecord* record = loading.stored.record) {

@@ -280,21 +280,17 @@ void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const Canvas
   for (;;) {
     glfwPollEvents();
     // A due tick is sent before further events; otherwise a moving mouse could delay it forever.
-    while ((tickMilliseconds <= 0 || Clock::now() < due) && !s.events.empty()) {
+    while (Clock::now() < due && !s.events.empty()) {
       if (!handleNext()) return;
     }
-    if (tickMilliseconds > 0 && Clock::now() >= due) {
+    if (Clock::now() >= due) {
       if (!handler(s.eventOf(Kind::Tick))) return;
       check();
       due = std::max(due + tick, Clock::now());        // skips missed ticks
       if (!s.events.empty() && !handleNext()) return;  // at least one event is handled between two ticks
       continue;
     }
-    if (tickMilliseconds <= 0) {
-      glfwWaitEvents();
-    } else {
-      glfwWaitEventsTimeout(std::max(std::chrono::duration<double>(due - Clock::now()).count(), 1e-4));
-    }
+    glfwWaitEventsTimeout(std::max(std::chrono::duration<double>(due - Clock::now()).count(), 1e-4));
   }
 }
 

@@ -1,5 +1,3 @@
-#include "viewer/vtk_module/item.h"
-
 #include <vtkCellArray.h>
 #include <vtkOpenGLVertexBufferObject.h>
 #include <vtkPointData.h>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "base/random.h"
+#include "viewer/vtk_module/canvas_scene.h"
 
 namespace scanmill {
 

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "base/error.h"
+#include "evaluate/spread.h"
 
 namespace scanmill {
 
@@ -86,17 +87,12 @@ FilledSide fillPicture(OrbitCamera& camera, const std::vector<Vec3d>& points, co
 
 // Returns the box from the 1st to the 99th percentile of the points' coordinates along each axis.
 Box boxOfMost(const std::vector<Vec3d>& points) {
-  constexpr double kBeyond = 0.01;
-  const auto beyond = static_cast<std::ptrdiff_t>(kBeyond * static_cast<double>(points.size()));
   Box box{};
   for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     std::vector<double> coordinates;
     for (const Vec3d& p : points) coordinates.push_back(p.*axis);
-    const auto low = coordinates.begin() + beyond, high = coordinates.end() - 1 - beyond;
-    std::ranges::nth_element(coordinates, low);
-    box.low.*axis = *low;
-    std::ranges::nth_element(coordinates, high);
-    box.high.*axis = *high;
+    box.low.*axis = quantileOf(coordinates, 0.01);
+    box.high.*axis = quantileOf(std::move(coordinates), 0.99);
   }
   return box;
 }
@@ -158,14 +154,14 @@ void OrbitCamera::fillWith(const std::vector<Vec3d>& points, const Vec3d& middle
   distance = std::clamp(distance, kLeastDistance, kMostDistance);
 }
 
-OrbitCamera OrbitCamera::seeing(const std::vector<Vec3d>& points, View view, int width, int height) const {
-  constexpr double kLeastVisible = 0.2;  // fraction of the points
+OrbitCamera OrbitCamera::seeing(const std::vector<Vec3d>& points, View view, int width, int height,
+                                double least) const {
   const ViewCamera projection = camera(width, height);
   const auto visible = std::ranges::count_if(points, [&](const Vec3d& point) {
     const Projected p = projection.project(point);
     return p.depth >= projection.nearest && p.x >= 0 && p.x < width && p.y >= 0 && p.y < height;
   });
-  const bool enough = static_cast<double>(visible) >= kLeastVisible * static_cast<double>(points.size());
+  const bool enough = static_cast<double>(visible) >= least * static_cast<double>(points.size());
   if (enough || view == View::Driver) return *this;
   const Box box = boxOfMost(points);
   std::vector<Vec3d> inBox;

@@ -11,6 +11,10 @@
 
 namespace scanmill {
 
+// Fraction of a scan's points that a named view should show. View::Chase shows more of a car's scan (0.4 and more), and
+// less of a drone's whose beams go all around (0.2).
+constexpr double kLeastSeen = 0.3;
+
 // Positions are in the canvas frame (m): x forward, y left, z up. Angles are in radians.
 struct OrbitCamera {
   Vec3d target{};
@@ -37,9 +41,11 @@ struct OrbitCamera {
   // (pixels). The camera of View::Chase also looks down more steeply, up to 45 degrees, until the points fill the
   // picture's height. The target gets the depth of the point `middle`.
   void fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height);
-  // Returns this camera or, if a picture of this size would show less than a fifth of the points, a moved camera that
-  // shows nearly all of them. This camera must be that of `view`; the camera of View::Driver is never moved.
-  [[nodiscard]] OrbitCamera seeing(const std::vector<Vec3d>& points, View view, int width, int height) const;
+  // Returns this camera or, if a picture of this size would show less than the fraction `least` of the points, a moved
+  // camera that shows nearly all of them. This camera must be that of `view`; the camera of View::Driver is never
+  // moved.
+  [[nodiscard]] OrbitCamera seeing(const std::vector<Vec3d>& points, View view, int width, int height,
+                                   double least = kLeastSeen) const;
   // Transforms the camera to a new frame, so that the view stays the same. `newFromOld` may rotate only about z.
   void moveBy(const Affine& newFromOld);
   // Returns "yaw,pitch,distance,x,y,z" in degrees and metres (x, y and z to the millimetre), followed by ",focal" and

@@ -5,7 +5,7 @@ namespace scanmill {
 Playback::Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader,
                    const std::string& sample)
     : source_(std::move(source)), loader_(std::move(loader)) {
-  goTo(findFrame(*source_, sample), 0);
+  goTo(source_->find(sample), 0);
 }
 
 void Playback::goTo(std::size_t frame, int step) {

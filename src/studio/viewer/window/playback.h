@@ -14,7 +14,7 @@ namespace scanmill {
 
 class Playback {
  public:
-  // Requests the frame that `sample` names, see findFrame(). Throws InputError if the sample does not exist.
+  // Requests the frame that `sample` names, see FrameSource::find(). Throws InputError if the sample does not exist.
   Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, const std::string& sample);
 
   // Requests a frame (at most the last frame), then reads ahead in the direction of `step` (1 or -1; 0: no frames).

@@ -1,6 +1,5 @@
-#include "viewer/window/redraw.h"
-
 #include "base/stage_clock.h"
+#include "viewer/window/session_context.h"
 
 namespace scanmill {
 

@@ -159,7 +159,8 @@ OrbitCamera SceneView::preset(View view) const {
     return fitted;
   }
   if (staysInWorld && worldFromAnchor) fitted.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
-  return fitted.seeing(pointsOnCanvas(), view, context_.canvas.width(), context_.canvas.height());
+  const double least = context_.source->samples() ? 1 : kLeastSeen;  // a map is shown in full
+  return fitted.seeing(pointsOnCanvas(), view, context_.canvas.width(), context_.canvas.height(), least);
 }
 
 // Returns the positions of the shown scans' finite points, or of evenly chosen points if there are many.
@@ -185,8 +186,8 @@ OrbitCamera SceneView::firstCamera() const {
 
 void SceneView::lookAtFirstPoints() {
   const std::optional<CloseUp>& closeUp = context_.options.closeUp;
-  if (isFitted_ || clouds_.list.empty()) return;
-  isFitted_ = !pointsOnCanvas().empty();
+  if (isFitted || clouds_.list.empty()) return;
+  isFitted = !pointsOnCanvas().empty();
   setCamera(closeUp ? closeUpCamera(*closeUp) : firstCamera());
 }
 

@@ -33,8 +33,8 @@ void SceneView::placeMesh() {
   applyFilter();
   if (!context_.source->isScene()) return;
   placeGuides();
-  if (isFitted_) return;
-  isFitted_ = true;
+  if (isFitted) return;
+  isFitted = true;
   setCamera(firstCamera());
   for (const std::string& warning : mesh->warnings) context_.hint(warning);
 }

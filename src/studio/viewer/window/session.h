@@ -54,6 +54,7 @@ class ViewSession {
   void toggleProjection();
   void openPrompt();
   void nextScan();
+  void toggleMap();
   void toggleLayout(ViewLayout layout);
   void nextBackground();
   void nextBoxes();

@@ -121,6 +121,21 @@ void ViewSession::nextScan() {
   arrange();
 }
 
+// Shows the map of the current sample's sequence or, if a map is shown, the sample that was shown before.
+void ViewSession::toggleMap() {
+  std::shared_ptr<const FrameSource> next = context_.source->samples();
+  std::string& sample = context_.options.sample;
+  if (!next) {
+    sample = context_.source->keys()[playback_.requested()];
+    next = mapOf(context_.source, sample);
+  }
+  context_.source = next;
+  playback_ = Playback(next, std::make_unique<FrameLoader>(next), sample);
+  sceneView_.isFitted = false;
+  context_.changes.panels = true;
+  takeWhatIsLoaded();
+}
+
 // Chooses a layout; chooses the layout One if `layout` is chosen already.
 void ViewSession::toggleLayout(ViewLayout layout) {
   if (layout == ViewLayout::Overlay && context_.frame && context_.frame->scans.size() < 2) {

@@ -267,7 +267,7 @@ void ViewSession::drawPrompt() {
   if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && panels_.prompt->empty())) return panels_.prompt.reset();
   if (!chosen) return;
   try {
-    goTo(findFrame(*context_.source, *chosen), 1);
+    goTo(context_.source->find(*chosen), 1);
     panels_.prompt.reset();
   } catch (const InputError& e) {
     context_.notify(e.what());

@@ -1,10 +1,9 @@
-#include "viewer/window/shown_clouds.h"
-
 #include <fmt/core.h>
 
 #include "viewer/panels/imgui_layer.h"
 #include "viewer/picture.h"
 #include "viewer/window/canvas_items.h"
+#include "viewer/window/scene_view.h"
 
 namespace scanmill {
 
@@ -259,6 +258,10 @@ void ShownClouds::makeStrip() {
   stripProblem.clear();
   context_.changes.panels = true;
   if (!context_.options.rangeImage || list.empty()) return;
+  if (context_.source->samples()) {
+    stripProblem = "a map has no range image: M shows the sample, which has one";
+    return;
+  }
   // Choose the last cloud of the active view, otherwise the first cloud that is not hidden, otherwise the last cloud.
   stripCloud = 0;
   for (std::size_t k = 0; k < list.size(); ++k) {

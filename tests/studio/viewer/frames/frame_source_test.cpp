@@ -1,6 +1,7 @@
 #include "viewer/frames/frame_source.h"
 
 #include <atomic>
+#include <set>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -267,12 +268,52 @@ TEST_F(Frames, TrajectoryOfTheSequence) {
 
 TEST_F(Frames, FindFrame) {
   const auto source = openFrames(input());
-  EXPECT_EQ(findFrame(*source, ""), 4u);
-  EXPECT_EQ(findFrame(*source, "7"), 7u);
-  EXPECT_EQ(findFrame(*source, manifest.samples[6].key), 6u);
-  EXPECT_EQ(findFrame(*source, "test"), 8u);
-  EXPECT_THAT(messageOf([&] { findFrame(*source, "train"); }), HasSubstr("part of 6 keys"));
-  EXPECT_THAT(messageOf([&] { findFrame(*source, "9"); }), AllOf(HasSubstr("data"), HasSubstr("0 to 8")));
+  EXPECT_EQ(source->find(""), 4u);
+  EXPECT_EQ(source->find("7"), 7u);
+  EXPECT_EQ(source->find(manifest.samples[6].key), 6u);
+  EXPECT_EQ(source->find("test"), 8u);
+  EXPECT_THAT(messageOf([&] { source->find("train"); }), HasSubstr("part of 6 keys"));
+  EXPECT_THAT(messageOf([&] { source->find("9"); }), AllOf(HasSubstr("data"), HasSubstr("0 to 8")));
+}
+
+// A map has one point in each voxel that the samples' points are in, and this point is one of them.
+TEST_F(Frames, AMapHasOnePointOfEachVoxel) {
+  const std::shared_ptr<const FrameSource> samples = openFrames({.path = changed("drive")});
+  const std::vector<ViewScan> maps = mapOf(samples, "2")->load(0).scans;
+  ASSERT_EQ(maps.size(), 1u);
+  const Pose mapFromWorld = inverse(*maps[0].worldFromSensor);
+  std::vector<std::pair<Vec3f, float>> points;  // positions in the map, and intensities
+  for (std::size_t i = 0; i < samples->keys().size(); ++i) {
+    const ViewFrame sample = samples->load(i);
+    for (const ViewScan& scan : sample.scans) {
+      for (std::size_t k = 0; k < scan.scan.size(); ++k) {
+        points.emplace_back(mapFromWorld * (*scan.worldFromSensor * Vec3d(scan.drawnPositions()[k])),
+                            scan.scan[kIntensity][k]);
+      }
+    }
+  }
+  const auto voxelOf = [](const Vec3f& p, double size) {
+    return std::array{std::floor(double{p.x} / size), std::floor(double{p.y} / size), std::floor(double{p.z} / size)};
+  };
+  for (const std::size_t most : {kMostMapPoints, std::size_t{20}}) {
+    const Scan map = mapOf(samples, "0", most)->load(0).scans[0].scan;
+    std::set<std::array<double, 3>> occupied, voxels;
+    double size = kFinestMapVoxel / 2;
+    do {
+      size *= 2;
+      occupied.clear();
+      for (const auto& [position, intensity] : points) occupied.insert(voxelOf(position, size));
+    } while (occupied.size() > most);
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      voxels.insert(voxelOf(map.position[i], size));
+      EXPECT_TRUE(std::ranges::any_of(points, [&](const auto& point) {
+        return length(point.first - map.position[i]) < 1e-4F && point.second == map[kIntensity][i];
+      }));
+    }
+    EXPECT_EQ(voxels, occupied);
+    EXPECT_EQ(map.size(), occupied.size());
+    EXPECT_EQ(mapOf(samples, "3", most)->load(0).scans[0].scan.position, map.position);
+  }
 }
 
 TEST_F(Frames, ThreadsLoadTheSame) {

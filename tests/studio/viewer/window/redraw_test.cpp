@@ -1,6 +1,5 @@
-#include "viewer/window/redraw.h"
-
 #include "tests/studio/viewer/window/fake_canvas.h"
+#include "viewer/window/session_context.h"
 
 namespace scanmill {
 namespace {

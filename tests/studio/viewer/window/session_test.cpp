@@ -104,6 +104,7 @@ TEST(ViewSession, EveryKeyDoesWhatItSays) {
                                          {"l", {"clouds", "colours", "frame", "shown", "size"}},
                                          {"s", {"clouds", "colours", "frame", "shown", "size", "views"}},
                                          {"n", {"colours", "frame"}},
+                                         {"M", {"camera", "colours", "frame", "shown"}},
                                          {"w", {"camera", "frame"}}};
   const auto expect = [&](const char* aspect, const std::vector<const char*>& keys) {
     for (const char* key : keys) changes[key] = {aspect};
