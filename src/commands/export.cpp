@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "assets/worlds/world_asset.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
@@ -72,6 +73,7 @@ int runExport(const std::vector<std::string>& arguments) {
     }
   }
   exportOptions.ros.robot = parsed.text("robot");
+  if (parsed.has("robot")) exportOptions.ros.links = readLinkNames(exportOptions.ros.robot);
   exportOptions.overwrite = parsed.has("overwrite");
   exportOptions.stop = &stopSignal();
   std::optional<Progress> progress;  // progress bar of the current stage

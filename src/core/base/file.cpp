@@ -111,6 +111,13 @@ void AtomicFile::write(std::string_view bytes) {
   }
 }
 
+void AtomicFile::rewriteStart(std::string_view bytes) {
+  flushed_ = false;
+  if (::pwrite(file_.number, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    failBySystem(path_, "cannot be written");
+  }
+}
+
 void AtomicFile::flush() {
   if (!flushed_ && ::fsync(file_.number) != 0) failBySystem(path_, "cannot be written");
   flushed_ = true;

@@ -60,6 +60,8 @@ class [[nodiscard]] AtomicFile {
   AtomicFile& operator=(AtomicFile&&) = delete;  // neither copied nor moved
 
   void write(std::string_view bytes);
+  // Replaces the first bytes of the file, which write() has written: a header whose counts are known at the end.
+  void rewriteStart(std::string_view bytes);
   std::size_t size() const { return size_; }  // bytes written so far
   // Flushes the bytes to the disk, which may fail or be slow. A later commit() only renames the file and flushes the
   // folder.

@@ -40,13 +40,14 @@ class WorldPositions {
 
   // True if the points are not all in the same frame.
   bool moves() const { return moves_; }
-  // Returns the position of a point in the world (m). If the scan has no beam numbers, uses the pose at the time
-  // of the point, which ignores offsets between the rings' times; if the scan has no times either, uses the first pose.
-  Vec3d inWorld(std::size_t point) const {
-    const Vec3d inSensor(scan_.position[point]);
-    if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_ * inSensor;
-    if (poses_.empty()) return interpolate(first_, last_, fractionAt(double{scan_[kTime][point]})) * inSensor;
-    return poses_[std::min<std::size_t>(keyOf(scan_, point).column, poses_.size() - 1)] * inSensor;
+  // Returns the position of a point in the world (m).
+  Vec3d inWorld(std::size_t point) const { return poseOf(point) * Vec3d(scan_.position[point]); }
+  // Returns the transform from the frame of a point to the world. If the scan has no beam numbers, uses the pose at the
+  // time of the point, which ignores offsets between the rings' times; if the scan has no times either, the first pose.
+  Pose poseOf(std::size_t point) const {
+    if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_;
+    if (poses_.empty()) return interpolate(first_, last_, fractionAt(double{scan_[kTime][point]}));
+    return poses_[std::min<std::size_t>(keyOf(scan_, point).column, poses_.size() - 1)];
   }
 
  private:

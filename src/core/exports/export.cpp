@@ -157,13 +157,22 @@ class Export {
           if (scans == 1) continue;
           refuse(plan_,
                  "{} has one scan of each sensor in a frame, but the sample {} has {} of '{}', "
-                 "which turns at another rate than others: choose sensors with one scan in each "
+                 "which turns at another rate than others or is one of a random choice: choose sensors with one scan "
+                 "in each "
                  "sample by --sensor, generate with this sensor's period as `every_s`, or take "
-                 "--to mcap, las, ply or npz, which have all",
+                 "--to mcap, las or ply, which have all",
                  options_.layout->name, sample.key, scans, plan_.sensors[s]->name);
         }
       }
     }
+  }
+
+  // Returns true if the sample has no scan of the exported sensors, since its sequence drew another sensor.
+  bool lacksSensors(const SampleRecord& sample) const {
+    for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+      if (plan_.sensors[s]->choice.empty() || !revolutionsOf(plan_, sample, s).empty()) return false;
+    }
+    return true;
   }
 
   // Groups the samples of the chosen splits by sequence, and sorts each sequence by its frames. A sample whose key has
@@ -178,7 +187,7 @@ class Export {
     }
     std::map<std::string, std::size_t> indexOfSequence;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (!isChosen(samples[i].split, options_.splits)) continue;
+      if (!isChosen(samples[i].split, options_.splits) || lacksSensors(samples[i])) continue;
       const std::string name = partsOfKey(samples[i].key).sequence;
       const auto [entry, isNew] = indexOfSequence.emplace(name.empty() ? samples[i].key : name, plan_.sequences.size());
       if (isNew) plan_.sequences.push_back({.name = entry->first, .split = samples[i].split, .samples = {}});

@@ -1,18 +1,22 @@
-// Writes a LAS 1.4 file for each scan: "LAS Specification 1.4 - R15", American Society for Photogrammetry and Remote
-// Sensing, 2019. Point format 6, uncompressed:
+// Writes a LAS 1.4 file for each strip, the frames of a sequence in their order: "LAS Specification 1.4 - R15",
+// American Society for Photogrammetry and Remote Sensing, 2019. Point format 6, uncompressed:
 //
 //   X, Y, Z              in the world (m), in steps of 0.5 mm, so that a coordinate is off by at most 0.25 mm. The
-//                        file's offset is the sensor's position, rounded to whole metres
+//                        file's offset is the sensor's first position, rounded to whole metres
 //   intensity            0 to the sensor's full scale becomes 0 to 65535; higher values are clamped
 //   return number and    columns `return` and `returns`, limited to 15. If a scan lacks one of them, the returns are
 //   number of returns    counted, and the header says so (global encoding, bit 3)
 //   classification       class ids of the ontology that is exported, up to 255, not ASPRS's own; their names are in the
 //                        classification lookup record
 //   synthetic            set, since the points are simulated
+//   withheld             set for points that come from no surface: false positives, weather and stray light, if the
+//                        scan has the column `cause`; without a class, they get the one that is named noise
 //   GPS time             seconds since the start of the sequence: the point's time if the scan has the column `time`,
 //                        else the scan's time. The global encoding says GPS week time, but the time belongs to no week
-//   point source ID      1 for the first sensor that is exported, 2 for the second, and so on
-//   extra bytes          the other columns in their own types, and the unscaled intensity as `intensity_f`
+//   scan angle           about the vehicle's direction of travel from straight down, positive to the right
+//   point source ID      the number of the strip, from 1: each sensor of each sequence
+//   extra bytes          the other columns in their own types, the unscaled intensity as `intensity_f`, and the
+//                        dataset's own class ids as `dataset_label` if another ontology is exported
 //
 // The coordinate system is local, without a position on the earth. Misses are left out.
 
@@ -23,11 +27,14 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
+#include "base/file.h"
 #include "base/vec.h"
 #include "config/version.h"
 #include "dataset/world_positions.h"
@@ -35,6 +42,7 @@
 #include "formats/little_endian.h"
 #include "formats/readers.h"
 #include "scan/columns.h"
+#include "scan/reasons.h"
 #include "scene/ontology.h"
 
 namespace scanmill {
@@ -158,7 +166,9 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   return bytes + records;
 }
 
-constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classification flags
+// Bits of the classification flags.
+constexpr std::uint8_t kSynthetic = 1;
+constexpr std::uint8_t kWithheld = 4;
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 
@@ -212,46 +222,95 @@ void putPosition(const ExportPlan& plan, const ExportSample& sample, const Expor
   }
 }
 
-std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
-  const Scan& scan = exportScan.scan;
-  const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan.manifest.deskewed);
-  const ColumnSet columns = exportedColumns(plan, scan);
-  // The columns that are stored as extra bytes, because no field of the point format represents them completely.
-  const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
-  const std::vector<std::uint8_t> returns = returnNumbers(scan);
-  LasPoints points;
-  const Vec3d& sensor = exportScan.record->worldFromSensor.front().translation;
-  points.offset = {std::round(sensor.x), std::round(sensor.y), std::round(sensor.z)};
-  points.returnsAreMadeUp = !columns.has(kReturn) || !columns.has(kReturns);
-  std::string bytes;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (!isFinite(scan.position[i])) continue;
-    putPosition(plan, sample, exportScan, positions.inWorld(i), points, bytes);
-    const float intensity = unitIntensity(exportScan, i);
-    putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
-    putNumber(returns[i], bytes);
-    putNumber(kSynthetic, bytes);
-    putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.targetId(scan[kLabel][i])), bytes);
-    putNumber(std::uint8_t{0}, bytes);  // user data
-    putNumber(std::int16_t{0}, bytes);  // scan angle
-    putNumber(static_cast<std::uint16_t>(exportScan.sensorNumber + 1), bytes);
-    putNumber(exportScan.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
-    visitTable(scan, [&](auto key, const auto& values) {
-      if (extraColumns.has(key)) putNumber(exported(plan.classes, key, values[i]), bytes);
-    });
-    ++points.byReturn[(returns[i] & 0x0F) - 1u];
-    ++points.count;
-  }
-  std::vector<LasExtra> extra;
-  visitTable(scan, [&]<class T>(auto key, const std::vector<T>&) {
-    // The type numbers of float, unsigned char, unsigned short and unsigned long in table 24 of the specification.
-    constexpr std::uint8_t kType = std::is_floating_point_v<T> ? 9 : sizeof(T) == 1 ? 1 : sizeof(T) == 2 ? 3 : 5;
-    if (!extraColumns.has(key)) return;
-    const std::string_view name = key.index == kIntensity.index ? kLasExactIntensity : key.row.name;
-    extra.push_back({name, kType, sizeof(T), key.row.unit});
-  });
-  return lasHead(points, extra, plan.classes.target()) + bytes;
+// Returns the scan angle (steps of 0.006 deg) of a point `ray` (m, world) from its sensor: the angle about the
+// direction of travel from straight down, positive to the right (15.3.11 of the specification).
+std::int16_t scanAngle(const Vec3d& ray, const Vec3d& forward) {
+  const double right = ray.x * forward.y - ray.y * forward.x;
+  return static_cast<std::int16_t>(std::lround(degrees(std::atan2(right, -ray.z)) / 0.006));
 }
+
+// Returns the horizontal unit vector to the front of the vehicle or, if it is unknown, of the sensor.
+Vec3d forwardOf(const ExportScan& exportScan) {
+  const std::optional<Pose>& moved = exportScan.record->vehicleFromSensor;
+  const Pose vehicleFromSensor = (moved ? moved : exportScan.sensor->vehicleFromSensor).value_or(Pose{});
+  const Pose worldFromVehicle = exportScan.record->worldFromSensor.front() * inverse(vehicleFromSensor);
+  const Vec3d front = toMatrix(worldFromVehicle.rotation) * Vec3d{1, 0, 0};
+  const double ahead = std::hypot(front.x, front.y);
+  return ahead > 1e-9 ? Vec3d{front.x / ahead, front.y / ahead, 0} : Vec3d{1, 0, 0};
+}
+
+// The file of a strip while it is written.
+class Strip {
+ public:
+  Strip(const ExportPlan& plan, const std::filesystem::path& path, const ExportScan& first, std::size_t number)
+      : plan_(plan), file_(path), number_(static_cast<std::uint16_t>(number)) {
+    const Vec3d& sensor = first.record->worldFromSensor.front().translation;
+    points_.offset = {std::round(sensor.x), std::round(sensor.y), std::round(sensor.z)};
+    const ColumnSet columns = exportedColumns(plan, first.scan);
+    points_.returnsAreMadeUp = !columns.has(kReturn) || !columns.has(kReturns);
+    // Extra bytes have the columns that no field of the point format represents completely.
+    extraColumns_ = columns.without(kReturn).without(kReturns).without(kTime);
+    if (plan.classes.target().name == plan.manifest.ontology.name) extraColumns_ = extraColumns_.without(kLabel);
+    if (const SemanticClass* const noise = plan.classes.target().find("noise")) noiseClass_ = noise->id;
+    visitTable(first.scan, [&]<class T>(auto key, const std::vector<T>&) {
+      // The type numbers of float, unsigned char, unsigned short and unsigned long in table 24 of the specification.
+      constexpr std::uint8_t kType = std::is_floating_point_v<T> ? 9 : sizeof(T) == 1 ? 1 : sizeof(T) == 2 ? 3 : 5;
+      if (!extraColumns_.has(key)) return;
+      const std::string_view name = key.index == kIntensity.index ? kLasExactIntensity
+                                    : key.index == kLabel.index   ? "dataset_label"
+                                                                  : key.row.name;
+      extra_.push_back({name, kType, sizeof(T), key.row.unit});
+    });
+    file_.write(lasHead(points_, extra_, plan.classes.target()));
+  }
+
+  void add(const ExportSample& sample, const ExportScan& exportScan) {
+    const Scan& scan = exportScan.scan;
+    requireConsistent(scan);
+    const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan_.manifest.deskewed);
+    const Vec3d forward = forwardOf(exportScan);
+    const std::vector<std::uint8_t> returns = returnNumbers(scan);
+    std::string bytes;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      const Vec3d position = positions.inWorld(i);
+      putPosition(plan_, sample, exportScan, position, points_, bytes);
+      const float intensity = unitIntensity(exportScan, i);
+      putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
+      putNumber(returns[i], bytes);
+      const auto cause = scan[kCause].empty() ? Reason::Surface : static_cast<Reason>(scan[kCause][i]);
+      const bool isNoise = cause == Reason::FalsePositive || cause == Reason::Weather || cause == Reason::StrayLight;
+      const std::uint16_t label = scan[kLabel].empty() ? 0 : plan_.classes.targetId(scan[kLabel][i]);
+      putNumber(static_cast<std::uint8_t>(kSynthetic | (isNoise ? kWithheld : 0)), bytes);
+      putNumber(static_cast<std::uint8_t>(isNoise && label == 0 ? noiseClass_ : label), bytes);
+      putNumber(std::uint8_t{0}, bytes);  // user data
+      putNumber(scanAngle(position - positions.poseOf(i).translation, forward), bytes);
+      putNumber(number_, bytes);
+      putNumber(exportScan.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
+      visitTable(scan, [&](auto key, const auto& values) {
+        if (!extraColumns_.has(key)) return;
+        putNumber(key.index == kLabel.index ? values[i] : exported(plan_.classes, key, values[i]), bytes);
+      });
+      ++points_.byReturn[(returns[i] & 0x0F) - 1u];
+      ++points_.count;
+    }
+    file_.write(bytes);
+  }
+
+  void commit() {
+    file_.rewriteStart(lasHead(points_, extra_, plan_.classes.target()));
+    file_.commit();
+  }
+
+ private:
+  const ExportPlan& plan_;
+  AtomicFile file_;
+  std::uint16_t number_;          // the point source ID
+  std::uint16_t noiseClass_ = 0;  // of points that come from no surface
+  LasPoints points_;
+  ColumnSet extraColumns_;
+  std::vector<LasExtra> extra_;
+};
 
 // Throws InputError if an exported scan of the sample has points of a class whose id LAS cannot store.
 void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
@@ -268,13 +327,35 @@ void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
   }
 }
 
-class Las : public ScanFiles {
+class Las : public ExportLayout {
  public:
-  Las() : ScanFiles("las", lasBytes) {}
-
   void check(const ExportPlan& plan) const override {
     for (const ExportSequence& sequence : plan.sequences) {
       for (const std::size_t number : sequence.samples) checkClasses(plan, plan.manifest.samples[number]);
+    }
+  }
+
+  bool bySequence() const override { return true; }
+
+  void write(const ExportPlan& plan, std::size_t sequence, std::size_t, const ReadSample& read,
+             const ExportFolder& folder) const override {
+    const ExportSequence& recorded = plan.sequences[sequence];
+    std::vector<std::unique_ptr<Strip>> strips(plan.sensors.size());  // null: no scan of the sensor so far
+    for (std::size_t frame = 0; frame < recorded.samples.size(); ++frame) {
+      const ExportSample sample = read(sequence, frame);
+      for (const ExportScan& scan : sample.scans) {
+        std::unique_ptr<Strip>& strip = strips[scan.sensorNumber];
+        if (strip == nullptr) {
+          const std::string file = fmt::format("{}.{}.las", recorded.name, scan.sensor->name);
+          const std::size_t number = 1 + sequence * plan.sensors.size() + scan.sensorNumber;
+          strip = std::make_unique<Strip>(plan, folder.prepareFile(std::filesystem::path(recorded.split) / file), scan,
+                                          number);
+        }
+        strip->add(sample, scan);
+      }
+    }
+    for (const auto& strip : strips) {
+      if (strip != nullptr) strip->commit();
     }
   }
 };

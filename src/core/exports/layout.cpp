@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::array<LayoutEntry, 7> kLayouts{{
+constexpr std::array<LayoutEntry, 6> kLayouts{{
     {.name = "semantic_kitti",
      .summary = "sequences/NN with velodyne, labels, calib, poses and times",
      .labels = "semantic_kitti",
@@ -33,9 +33,8 @@ constexpr std::array<LayoutEntry, 7> kLayouts{{
      .summary = "nuScenes' tables, boxes, lidarseg and panoptic",
      .labels = "nuscenes",
      .make = makeNuScenes},
-    {.name = "las", .summary = "LAS 1.4, a file for each scan; all columns as extra bytes", .make = makeLas},
+    {.name = "las", .summary = "LAS 1.4, a file for each sequence (strip); all columns as extra bytes", .make = makeLas},
     {.name = "ply", .summary = "PLY, a file for each scan, with labels and the classes' colours", .make = makePly},
-    {.name = "npz", .summary = "NumPy, a file for each scan, an array for each column", .make = makeNpz},
     {.name = "mcap",
      .summary = "MCAP of ROS 2, a file for each sequence: PointCloud2, tf, markers of boxes",
      .make = makeMcap},

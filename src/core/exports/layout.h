@@ -60,6 +60,7 @@ struct ExportSample {
 struct RosNames {
   std::string world = "map", vehicle = "base_link";  // frames, as REP 105 names them
   std::filesystem::path robot;                       // URDF file of the vehicle; empty: none
+  std::vector<std::string> links = {};               // names of its links, the root link first
 };
 
 // The parts of a dataset that are exported, and the mapping of its classes.
@@ -201,7 +202,6 @@ std::unique_ptr<ExportLayout> makeKitti();
 std::unique_ptr<ExportLayout> makeNuScenes();
 std::unique_ptr<ExportLayout> makeLas();
 std::unique_ptr<ExportLayout> makePly();
-std::unique_ptr<ExportLayout> makeNpz();
 std::unique_ptr<ExportLayout> makeMcap();
 
 }  // namespace scanmill

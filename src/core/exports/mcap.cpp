@@ -242,6 +242,23 @@ class Bag {
   std::optional<std::uint16_t> objects_{};  // channel of the objects; set when the first objects are added
 };
 
+// Throws InputError if frames of the robot's URDF would have two parents.
+void checkRobot(const ExportPlan& plan) {
+  const std::vector<std::string>& links = plan.ros.links;
+  if (!links.empty() && links.front() != plan.ros.vehicle) {
+    throw InputError({plan.ros.robot.string()},
+                     "the root link is '{1}', but the frame of the vehicle is '{2}': give --frames {0},{1}",
+                     plan.ros.world, links.front(), plan.ros.vehicle);
+  }
+  for (const SensorRecord* const sensor : plan.sensors) {
+    if (std::ranges::find(links, sensor->name) == links.end()) continue;
+    throw InputError({plan.ros.robot.string()},
+                     "has a link '{}', and so is the frame of a sensor named: give the sensor another name in the "
+                     "pipeline, or leave out --robot",
+                     sensor->name);
+  }
+}
+
 class Mcap : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
@@ -253,6 +270,7 @@ class Mcap : public ExportLayout {
                sensor->name, plan.ros.world, plan.ros.vehicle);
       }
     }
+    checkRobot(plan);
     requireDistinct(plan, "topic", [&](std::size_t sensor) { return topicOf(*plan.sensors[sensor]); });
   }
 

@@ -149,7 +149,7 @@ TEST_F(Exports, ReplaceOthersWhenAsked) {
   ExportOptions first = options("ply", "out");
   exportDataset(first);
   const auto whole = filesIn(first.folder);
-  ExportOptions other = options("npz", "out");
+  ExportOptions other = options("mcap", "out");
   other.overwrite = true;
   exportDataset(other);
   for (const auto& [name, bytes] : filesIn(first.folder)) EXPECT_FALSE(name.ends_with(".ply")) << name;
@@ -171,7 +171,7 @@ TEST_F(Exports, ClassesThatTheLayoutLacksAreNamed) {
   const auto file = folder_.write("mine.yaml",
                                   "name: mine\nclasses:\n  - {id: 0, name: unlabeled, color: [0, 0, 0]}\n"
                                   "  - {id: 3, name: ways, color: [9, 9, 9], aliases: [street]}\n");
-  ExportOptions mapped = options("npz", "npz");
+  ExportOptions mapped = options("ply", "mapped");
   mapped.classes = file;
   const ExportSummary summary = exportDataset(mapped);
   ASSERT_EQ(summary.warnings.size(), 1u);

@@ -64,9 +64,15 @@ class LasLayout : public ExportWorld {
  protected:
   LasLayout() : ExportWorld(makeLas()) {}
 
-  // What Python finds in the file of the first sample's first sensor.
+  // What Python finds in the file of the first sequence's first sensor.
   std::string las(const std::string& code) const {
-    return python(kLasReader + "las = Las(folder / 'train/street-s1-lane-000000.top.las')\n" + code);
+    return python(kLasReader + "las = Las(folder / 'train/street-s1-lane.top.las')\n" + code);
+  }
+  // Writes a sequence of this sample alone.
+  void writeSample(const ExportSample& sample) {
+    plan_.sequences[sample.sequence].samples = {
+        static_cast<std::size_t>(sample.record - plan_.manifest.samples.data())};
+    ExportWorld::writeSample(sample);
   }
   void expect(const std::vector<Vec3d>& places) const {
     folder_.write("places.bin", {reinterpret_cast<const char*>(places.data()), places.size() * sizeof(Vec3d)});
@@ -80,7 +86,7 @@ assert las.encoding == 1 << 4 | 1 << 3, las.encoding        # WKT; the scan has 
 assert las.system == 'SIMULATION' and las.software.startswith('scanmill ')
 assert 1 <= las.day <= 366 and las.year == 2000
 assert (las.scale == 0.0005).all() and (las.offset == [101, 20, 2]).all(), las.offset
-assert las.count == 308 and las.by_return == [308] + [0] * 14
+assert las.count == 616 and las.by_return == [616] + [0] * 14 # of both frames
 assert (las.low == las.xyz.min(axis=0)).all() and (las.high == las.xyz.max(axis=0)).all()
 wkt = las.records['LASF_Projection', 2112]
 assert wkt.startswith(b'LOCAL_CS["scanmill world",') and wkt.endswith(b']\0') and wkt.count(b'\0') == 1
@@ -100,27 +106,35 @@ assert las.units['range_true'] == 'unit: m' and las.units['ring'] == ''
 TEST_F(LasLayout, PointsStandInTheWorldWithAllTheirColumns) {
   useBothSensors();
   write(*layout_);
-  const Scan own = scan(1, 1);
-  std::vector<Vec3d> places;
-  for (const Vec3f& p : own.position) places.push_back(vehicle(1) * *plan_.sensors[1]->vehicleFromSensor * Vec3d(p));
+  std::vector<Vec3d> places;  // and the sensor's positions
+  for (const int frame : {0, 1}) {
+    const Pose worldFromSensor = vehicle(frame) * *plan_.sensors[1]->vehicleFromSensor;
+    for (const Vec3f& p : scan(1, static_cast<std::size_t>(frame)).position) {
+      places.push_back(worldFromSensor * Vec3d(p));
+      places.push_back(worldFromSensor.translation);
+    }
+  }
   expect(places);
   python(kLasReader + R"(
-las = Las(folder / 'val/street-s2-lane-000001.rear.las')
-places = np.fromfile(folder / 'places.bin').reshape(-1, 3)
+las = Las(folder / 'val/street-s2-lane.rear.las')
+places, sensor = np.fromfile(folder / 'places.bin').reshape(-1, 2, 3).swapaxes(0, 1)
 assert np.abs(las.xyz - places).max() <= 0.00025 + 1e-9
-i = np.array([i for i in range(360) if i % 7])
+ray = places - sensor
+right = ray @ [np.sin(0.2), -np.cos(0.2), 0]                 # of the vehicle, which is turned to the left by 0.2 rad
+wrong = las['angle'] * 0.006 - np.degrees(np.arctan2(right, -ray[:, 2]))
+assert np.abs((wrong + 180) % 360 - 180).max() <= 0.0031
+i = np.tile([i for i in range(360) if i % 7], 2)
 assert (las['ring+'] == i // 90).all() and (las['column+'] == i % 90).all()
 assert (las['instance+'] == np.select([i % 5 == 1, i % 5 == 2], [7, 9], 0)).all()
 assert len(set(zip(las['instance+'], las['class']))) == 3
 intensity = (i / 360).astype(np.float32)
 assert (las['intensity_f+'] == intensity).all()
 assert np.abs(las['intensity'] / 65535 - intensity).max() < 1e-5
-assert (las['range_true+'] == (12 + 0.01 * i).astype(np.float32)).all()
-assert np.abs(las['time'] - (0.1 + i % 90 * 0.1 / 90)).max() < 1e-8
-assert (las['source'] == 2).all() and (las['flags'] == 1).all()
-assert not las['user'].any() and not las['angle'].any()
-first = Las(folder / 'val/street-s2-lane-000001.top.las')
-assert (first['source'] == 1).all()
+assert (las['range_true+'] == (np.repeat([11, 12], 308) + 0.01 * i).astype(np.float32)).all()
+assert np.abs(las['time'] - (np.repeat([0, 0.1], 308) + i % 90 * 0.1 / 90)).max() < 1e-8
+assert (las['source'] == 4).all() and (las['flags'] == 1).all()
+assert not las['user'].any()
+assert (Las(folder / 'val/street-s2-lane.top.las')['source'] == 3).all()
 )");
 }
 
@@ -129,12 +143,12 @@ TEST_F(LasLayout, InstancesComeBackToAScene) {
   write(*layout_);
   AssetOptions options;
   for (const SemanticClass& c : plan_.manifest.ontology.classes) options.points.labels[c.id] = c.name;
-  const Asset asset = readAsset(folder_.path() / "train/street-s1-lane-000001.top.las", options);
+  const Asset asset = readAsset(folder_.path() / "train/street-s1-lane.top.las", options);
   std::set<std::pair<std::string, std::string>> found;
   for (const AssetPart& part : asset.parts) found.emplace(part.node, part.ownClass);
   EXPECT_THAT(found, testing::UnorderedElementsAre(std::pair{"instance 7", "car"},
                                                    std::pair{"instance 9", "pedestrian"}, std::pair{"", "building"}));
-  const Cloud cloud = readCloud(folder_.path() / "train/street-s1-lane-000001.top.las");
+  const Cloud cloud = readCloud(folder_.path() / "train/street-s1-lane.top.las");
   EXPECT_EQ(cloud.classNames.at(classId("car")), "car") << "the file names its classes";
 }
 
@@ -165,7 +179,7 @@ class MovingLas : public LasLayout {
     expect(places);
   }
 
-  void check() const {
+  void check() {
     writeSample(sample_);
     las("places = np.fromfile(folder / 'places.bin').reshape(-1, 3)\n"
         "assert np.abs(las.xyz - places).max() < 0.00026, np.abs(las.xyz - places).max()\n");
@@ -220,6 +234,23 @@ TEST_F(LasLayout, ReturnsAreTheColumnsOrAreCounted) {
   las("assert las.number.tolist() == [1, 3, 5, 1, 2, 15] and las.all.tolist() == [5, 5, 5, 1, 2, 15]\n"
       "assert las.by_return == [2, 1, 1, 0, 1] + [0] * 9 + [1] and not las.encoding & 8\n"
       "assert set(las.extra) == {'ring', 'column'}\n");
+}
+
+// What comes from no surface is withheld, as noise; other classes are told beside the dataset's own.
+TEST_F(LasLayout, FalsePositivesAreWithheldAsNoise) {
+  use("asprs");
+  ExportSample sample = this->sample(0, 0);
+  Scan& scan = sample.scans[0].scan;
+  scan[kCause].assign(scan.size(), 1);
+  scan[kCause][7] = 2;
+  scan[kLabel][7] = 0;
+  writeSample(sample);
+  las(fmt::format(R"(
+assert las['flags'].tolist() == [1] * 7 + [5] + [1] * 300 and las['class'][7] == 7
+assert set(las['class']) == {{1, 6, 7}}                      # cars and pedestrians have no class of their own
+assert set(las['dataset_label+']) == {{0, {}, {}, {}}}
+)",
+                  classId("car"), classId("pedestrian"), classId("building")));
 }
 
 TEST_F(LasLayout, MissesAreLeftOutAndSecondPlanesAreSecondReturns) {

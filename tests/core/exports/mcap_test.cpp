@@ -248,6 +248,12 @@ assert on(file, '/front_left/points')[0]['header']['frame_id'] == 'front-left'
   EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("share the topic /front_left/points"));
   plan_.manifest.sensors[1].name = "base_link";
   EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("'base_link'"));
+  plan_.ros.links = {"base_footprint", "base_link", "mast"};
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("'base_link'"));
+  plan_.manifest.sensors[1].name = "mast";
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("give --frames map,base_footprint"));
+  plan_.ros.vehicle = "base_footprint";
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("has a link 'mast'"));
 }
 
 TEST_F(McapLayout, NothingIsLeftOfAFileThatBreaksOff) {

@@ -103,5 +103,14 @@ assert (ply.colors == ply.colors[:, :1]).all() and 'label' not in ply.kind.names
   ply("assert (ply.colors == 128).all() and 'intensity' not in ply.kind.names\n");
 }
 
+TEST_F(PlyLayout, ScansWithoutPointsHaveTheDatasetsColumns) {
+  ExportSample sample = this->sample(0, 0);
+  Scan& scan = sample.scans[0].scan;
+  scan.position.clear();
+  visitTable(scan, [](auto, auto& values) { values.clear(); });
+  writeSample(sample);
+  ply("assert len(ply.points) == 0 and 'label' in ply.kind.names\n");
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -72,6 +72,7 @@ TEST(Ontology, publishedOnesHaveTheirIds) {
   EXPECT_EQ(id("carla.yaml", "RoadLine"), 24);
   EXPECT_EQ(readOntology(kLabels / "nyu40.yaml").classes.size(), 41u);
   EXPECT_EQ(readOntology(kLabels / "scannet.yaml").classes.size(), 21u);
+  EXPECT_EQ(id("asprs.yaml", "tree"), 5) << "high vegetation";
   EXPECT_EQ(id("nyu40.yaml", "otherprop"), 40);
   EXPECT_EQ(id("scannet.yaml", "otherfurniture"), 39);
   for (const SemanticClass& c : readOntology(kLabels / "scannet.yaml").classes) {

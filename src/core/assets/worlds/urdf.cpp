@@ -47,6 +47,12 @@ class UrdfReader {
     root_.fail("has no link '{}'{}", link, suggestion(link, {links_.begin(), links_.end()}));
   }
 
+  std::vector<std::string> linkNames() const {
+    std::vector<std::string> names(links_.begin(), links_.end());
+    std::ranges::partition(names, [&](const std::string& name) { return !joints_.contains(name); });
+    return names;
+  }
+
   WorldFile read() {
     WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
     for (const XmlNode& link : root_.children) {
@@ -292,6 +298,10 @@ WorldFile readUrdf(const std::filesystem::path& file, const std::map<std::string
 Affine robotFromLink(const std::filesystem::path& urdf, const std::map<std::string, double>& joints,
                      const std::string& link) {
   return UrdfReader(urdf, joints).robotFromLink(link);
+}
+
+std::vector<std::string> readLinkNames(const std::filesystem::path& urdf) {
+  return UrdfReader(urdf, {}).linkNames();
 }
 
 }  // namespace scanmill

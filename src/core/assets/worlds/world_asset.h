@@ -105,5 +105,7 @@ WorldFile readUrdf(const std::filesystem::path& file, const std::map<std::string
 // Returns the transform from a link's frame to the frame of the robot's root link. Throws InputError.
 Affine robotFromLink(const std::filesystem::path& urdf, const std::map<std::string, double>& joints,
                      const std::string& link);
+// Returns the names of a robot's links, the root link first. Throws InputError.
+std::vector<std::string> readLinkNames(const std::filesystem::path& urdf);
 
 }  // namespace scanmill

@@ -56,6 +56,7 @@ TEST_F(Urdf, JointsAreAtTheirPositions) {
   EXPECT_THAT(refusal({{"trun", 1}}, "hand"), HasSubstr("no joint 'trun' (did you mean 'turn'"));
   EXPECT_THAT(refusal({{"slide", -1}}, "hand"), HasSubstr("'slide' is from 0 to 3, not at -1"));
   EXPECT_THAT(refusal({{"stiff", 1}}, "hand"), HasSubstr("'stiff' is fixed"));
+  EXPECT_EQ(readLinkNames(file).front(), "base");
   EXPECT_THAT(refusal({}, "hnad"), HasSubstr("no link 'hnad' (did you mean 'hand'"));
 }
 
