@@ -1,10 +1,11 @@
 """Builds wheels of the package with CMake (PEP 517), using only Python's standard library.
 
 `pip install .` calls build_wheel(); `pip install -e .` is not supported. `scripts/setup` installs the libraries that
-the extension needs. If the environment variable SCANMILL_BUILD names a build folder, that build is used.
+the extension and the program need. If the environment variable SCANMILL_BUILD names a build folder, that build is used;
+one that was configured without the program makes a wheel without it.
 
-With SCANMILL_BUNDLE=1 the wheel contains the program and all libraries, for machines without a compiler, root or
-Debian; `scripts/packages` uses this. Large libraries that are seldom needed are left out (LEFT_OUT).
+With SCANMILL_BUNDLE=1 the wheel contains all libraries, too, for machines without a compiler, root or Debian;
+`scripts/packages` uses this. Large libraries that are seldom needed are left out (LEFT_OUT).
 """
 
 import base64
@@ -53,13 +54,18 @@ def bundled():
     return os.environ.get("SCANMILL_BUNDLE", "0") not in ("", "0")
 
 
-def bundle(build, package):
-    """Copies the program into the package, with all libraries that the program and the extension are linked to."""
-    if not (build / "scanmill").exists():
-        sys.exit(f"error: SCANMILL_BUNDLE wants a build with the program: name one by SCANMILL_BUILD ({build} has none)")
+def has_program(build):
+    return "SCANMILL_STUDIO:BOOL=ON" in (build / "CMakeCache.txt").read_text()
+
+
+def add_program(build, package):
     (package / "bin").mkdir()
     shutil.copy(build / "scanmill", package / "bin" / "scanmill")
     shutil.copy(next(build.glob("lib*/**/libscanmill_viewer.so")), package / "lib")
+
+
+def bundle(package):
+    """Copies all libraries that the program and the extension are linked to into the package."""
     for name in LEFT_OUT:
         (package / "lib" / name).unlink()
     files = [package / "bin" / "scanmill", *package.glob("_core*.so"), *(package / "lib").glob("*.so")]
@@ -94,17 +100,20 @@ def built():
     if source and source != ROOT and "SCANMILL_BUILD" in os.environ:
         sys.exit(f"error: {build} is the build of {source}, not of {ROOT}: name another folder by SCANMILL_BUILD")
     if source != ROOT:  # the folder was moved or copied, or is new
-        options = ["-DCMAKE_BUILD_TYPE=Release", "-DSCANMILL_STUDIO=OFF", "-DSCANMILL_TESTS=OFF", "-DSCANMILL_PYTHON=ON",
+        options = ["-DCMAKE_BUILD_TYPE=Release", "-DSCANMILL_STUDIO=ON", "-DSCANMILL_TESTS=OFF", "-DSCANMILL_PYTHON=ON",
                    f"-DPython_EXECUTABLE={sys.executable}"]
         subprocess.run(["cmake", "--fresh", "-S", ROOT, "-B", build, "-G", "Ninja", *options], check=True)
     check_interpreter(build)
-    subprocess.run(["cmake", "--build", build, "--target", "scanmill_python"], check=True)
+    targets = ["scanmill_python", "scanmill"] if has_program(build) else ["scanmill_python"]
+    subprocess.run(["cmake", "--build", build, "--target", *targets], check=True)
     staging = build / "wheel"
     shutil.rmtree(staging, ignore_errors=True)
     subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", staging], check=True)
     site = staging / "lib" / "python3" / "dist-packages"
+    if has_program(build):
+        add_program(build, site / "scanmill")
     if bundled():
-        bundle(build, site / "scanmill")
+        bundle(site / "scanmill")
     return site
 
 
@@ -117,7 +126,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: scanmill\nRoot-Is-Purelib: false\nTag: {tag()}\n",
         f"{info}/LICENSE": (ROOT / "LICENSE").read_text(),
     }
-    if bundled():
+    if "scanmill/bin/scanmill" in files:
         texts[f"{info}/entry_points.txt"] = "[console_scripts]\nscanmill = scanmill.program:main\n"
     name = f"scanmill-{version()}-{tag()}.whl"
     record = []

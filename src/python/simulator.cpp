@@ -70,6 +70,18 @@ struct ObjectPose {
   Vec3d turning;                          // rad/s, world axes, about the object's origin
 };
 
+std::string textOf(const std::vector<ObjectPose>& objects) {
+  std::string text;
+  for (const ObjectPose& o : objects) {
+    const Affine pose = o.worldFromObject.value_or(Affine{});
+    text += fmt::format("{} {} ", o.name, o.worldFromObject.has_value());
+    for (const Vec3d& v : {pose.linear.x, pose.linear.y, pose.linear.z, pose.translation, o.velocity, o.turning}) {
+      text += fmt::format("{} {} {} ", v.x, v.y, v.z);
+    }
+  }
+  return text;
+}
+
 struct SimulatedShot {
   std::vector<std::vector<Pose>> worldFromVehicle = {};  // for each sensor, the poses at equal steps of its revolution
   double time = 0;                                       // s since the drive began, at the start of the revolution
@@ -163,6 +175,11 @@ class Simulator {
                       "objects with their poses",
                       method.name, firstMethodThat(&MethodCapabilities::moving).name));
     }
+    for (const MountedSensor& sensor : plan_.pipeline.sensors) {
+      if (sensor.sectors == 1) continue;
+      throw InputError(fmt::format("a scan is one turn, but '{}' makes its turn in {} sectors: give the sensor sectors=1",
+                                   sensor.name, sensor.sectors));
+    }
     loadScene(source_, 0, ready_);
     for (std::uint32_t i = 0; i < scene().instances.size(); ++i) {
       const std::string& name = scene().instances[i].name;
@@ -202,7 +219,7 @@ class Simulator {
       }
       shot.sensorVelocity = velocitiesOf(shot.worldFromSensor, shot.beams->columnPeriod() * shot.beams->columns);
     }
-    if (writer != nullptr && writer->hasNext(source_, sequence, frame)) return {};
+    if (writer != nullptr && writer->hasNext(source_, sequence, frame, textOf(simulated.objects))) return {};
     ShotBuffers buffers;
     StageClock clock;
     SimulatedFrame made;

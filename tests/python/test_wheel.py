@@ -47,6 +47,10 @@ class Wheel(unittest.TestCase):
             environment["PYTHONPATH"] = str(Path(folder) / "site")
             subprocess.run([sys.executable, "-c", USE, folder] + ([dataset] if dataset else []), cwd="/",
                            env=environment, check=True)
+            (Path(folder) / "site" / "scanmill" / "bin" / "scanmill").chmod(0o755)
+            said = subprocess.run([sys.executable, "-m", "scanmill.program", "list", "scenes"], cwd="/", env=environment,
+                                  capture_output=True, text=True, check=True).stdout
+            self.assertIn(folder, said, "the program, with its own scenes")
 
     @unittest.skipUnless(shutil.which("patchelf"), "patchelf is missing: scripts/setup --bundle")
     def test_a_bundled_one_brings_the_program_and_its_libraries(self):

@@ -76,13 +76,30 @@ class Writer(unittest.TestCase):
         self.assertEqual(self.made, [True, False, False, False, False])
         self.assertRaisesRegex(scanmill.Error, "complete with 5 samples", self.write, PLACES[:3], resume=True)
 
+    def test_an_interrupted_loop_must_move_objects_alike(self):
+        self.scene.add({"class": "car", "vertices": CORNERS, "triangles": FACES}, name="cart", pose={"position": [3, -6, 0]})
+
+        def loop(speed, stop=9, resume=True):
+            with scanmill.DatasetWriter(self.out, LIDAR, effects=NOISE, shard_samples=2, resume=resume) as writer:
+                for i in range(3):
+                    if i == stop:
+                        raise KeyboardInterrupt
+                    moved = {"poses": {"cart": {"position": [3, -6, 0]}}, "velocities": {"cart": [speed * (i == 1), 0, 0]}}
+                    writer.add(self.scene, PLACES[0], time=0.1 * i, **moved)
+
+        self.assertRaises(KeyboardInterrupt, loop, 1, 2, False)
+        self.assertRaisesRegex(scanmill.InputError, "other poses or velocities of objects", loop, 2)
+        loop(1)
+
     def test_one_writer_at_a_time(self):
         with scanmill.DatasetWriter(self.out, LIDAR, effects=None) as writer:
             writer.add(self.scene, PLACES[0], split="val")
             with self.assertRaisesRegex(scanmill.InputError, "being written by process"):
                 scanmill.DatasetWriter(self.out, LIDAR, resume=True)
             with self.assertRaisesRegex(scanmill.InputError, "name of a split"):
-                writer.add(self.scene, PLACES[1], split="../val")
+                writer.add(self.scene, PLACES[1], drive="other", split="../val")
+            with self.assertRaisesRegex(scanmill.InputError, "belong in one split, but it is 'val' and 'train'"):
+                writer.add(self.scene, PLACES[1], split="train")
         self.assertEqual(list(writer.dataset.splits), ["val"])
         self.assertRaisesRegex(scanmill.InputError, "complete", writer.add, self.scene, PLACES[1])
 

@@ -87,7 +87,8 @@ void checkContents(const fs::path& folder, FolderUse use) {
   if (use == FolderUse::Share && contents.manifest) return;
   if (contents.unfinished) {
     throw InputError({folder.string()},
-                     "has an unfinished dataset: add --resume to continue it, or --overwrite to start again");
+                     "has an unfinished dataset: add --resume to continue it, or --overwrite to start again (in Python "
+                     "resume=True, overwrite=True)");
   }
   if (use == FolderUse::Resume && contents.manifest) {
     throw InputError(

@@ -69,7 +69,8 @@ void requireDataset(const fs::path& folder, const std::string& alternatives) {
   if (isUnfinished(folder)) {
     refuse(
         fmt::format("has an unfinished dataset: `scanmill generate` writes {} last. Wait until it ends; if it was "
-                    "stopped, `scanmill generate PIPELINE -o {} --resume` completes it",
+                    "stopped, `scanmill generate PIPELINE -o {} --resume` completes it, or the same loop in Python "
+                    "with resume=True",
                     kManifestName, folder.string()));
   }
   refuse(fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last{}", kManifestName,

@@ -46,6 +46,7 @@ struct SensorRecord {
   std::string name;                       // name of the sensor on the vehicle
   BeamTable beams;                        // only the compact description, without the tables per beam
   std::optional<Pose> vehicleFromSensor;  // not set if the mount is random: each scan then states its own
+  std::string choice = {};                // each sequence has one of the sensors with this text; empty: all have it
   double intensityFullScale = 1;          // the value of the column intensity that stands for 1, such as 255 for bytes
 };
 

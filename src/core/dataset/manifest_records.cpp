@@ -155,6 +155,7 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys("azimuth_offset", b.azimuthOffset, numberCount(b.rings));
   keys("firing_offset", b.firingOffset, numberCount(b.rings));
   keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
+  keys.optional("choice", sensor.choice);
   // BeamTable stores listed beams, a rosette or neither in a variant. RecordKeys needs objects of these types, so
   // copies are described; if the record is read, they are then moved into the table.
   std::shared_ptr<const ListedBeams> listed = b.listed();
@@ -169,6 +170,7 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   });
   if (keys.reads() && rosette) b.pattern = std::move(*rosette);
   if (keys.reads() && listed != nullptr) b.pattern = std::move(listed);
+  keys.optionalIf(b.sectors > 1, "sectors", b.sectors, wholeNumber(1, 256));
   keys.optionalIf(b.sweep > 0, "sweep", b.sweep, within(0, b.period));
   keys.optionalIf(sensor.intensityFullScale != 1, "intensity_full_scale", sensor.intensityFullScale, within(1e-9));
   keys.optional("origin_left", b.originLeft, numberCount(b.rings));

@@ -39,6 +39,7 @@ static void describe(RecordKeys& keys, DatasetPlan& plan) {
 static void describe(RecordKeys& keys, DatasetPart& part) {
   keys("plan", part.plan);
   keys("numbers", part.numbers);
+  keys.optional("placed", part.placed);
 }
 
 std::string toJson(const DatasetPlan& plan) {

@@ -31,9 +31,10 @@ struct DatasetPlan {
 };
 
 struct DatasetPart {
-  std::string plan;                    // hash of the part's plan
-  std::vector<std::uint64_t> numbers;  // indices of the part's samples among all samples of the plan
-  Manifest manifest;                   // manifest with only this shard and its samples
+  std::string plan;                      // hash of the part's plan
+  std::vector<std::uint64_t> numbers;    // indices of the part's samples among all samples of the plan
+  Manifest manifest;                     // manifest with only this shard and its samples
+  std::vector<std::string> placed = {};  // hash of what the caller placed in each sample; only of a DatasetWriter
 };
 
 std::string toJson(const DatasetPlan& plan);

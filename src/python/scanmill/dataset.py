@@ -109,8 +109,9 @@ class Dataset(Sequence["Sample"]):
     @cached_property
     def sensors(self) -> dict[str, dict[str, Any]]:
         """The manifest's description of each sensor (lengths in m, angles in rad), by name. If its mount
-        `vehicle_from_sensor` is random, it is in each of `sample.record["scans"]` instead. Without a manifest: the
-        names of the sensors in the first sample, with empty descriptions."""
+        `vehicle_from_sensor` is random, it is in each of `sample.record["scans"]` instead. Of sensors with the same
+        `choice`, each sequence has one; where the first sensor is one of them, the sample's counts as the first.
+        Without a manifest: the names of the sensors in the first sample, with empty descriptions."""
         if self.manifest is not None:
             return {sensor["name"]: sensor for sensor in self.manifest["sensors"]}
         return {name: {} for name in (self[0].sensors if len(self) else [])}
@@ -434,7 +435,11 @@ class Sample:
         return f"<Sample {self.key}>"
 
     def _sensor_or_first(self, sensor: str | None) -> str:
-        first = self.sensors[0] if self._origin.manifest is None else next(iter(self._origin.sensors))
+        described = self._origin.sensors
+        first = self.sensors[0] if self._origin.manifest is None else next(iter(described))
+        choice = described.get(first, {}).get("choice")
+        if choice is not None:  # each sequence has another one of several sensors
+            first = next((name for name in self.sensors if described[name].get("choice") == choice), first)
         return _sensor_name(sensor) or first
 
     def _required_sensor(self, sensor: str | None) -> str:

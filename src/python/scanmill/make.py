@@ -100,7 +100,7 @@ def picture(what: Path | Dataset, out: Path, **options: str | float | bool | Seq
     try:
         done = subprocess.run(command, capture_output=True, text=True)
     except FileNotFoundError:
-        raise InputError("picture() runs the program `scanmill`, which is not installed here") from None
+        raise InputError("picture() runs the program `scanmill`: put it on PATH, or name it in the variable SCANMILL") from None
     if done.returncode != 0:
         raise InputError(done.stderr.strip().removeprefix("error: "))
     return os.path.abspath(out)

@@ -20,7 +20,7 @@ LABELS = 65536  # number of values that a label can have
 
 def load_ontology(name_or_path: str | os.PathLike[str]) -> Ontology:
     """Returns the ontology of a file, or of one that comes with the program: "scanmill", "semantic_kitti", "nuscenes",
-    "kitti", "carla", "cityscapes", "nyu40" or "scannet". Raises InputError for an unknown name and a damaged file."""
+    "kitti", "carla", "cityscapes", "nyu40", "scannet" or "asprs". Raises InputError for an unknown name and a damaged file."""
     from .simulate import Scene  # imports this module
 
     # Scenes read ontologies, and need a triangle.

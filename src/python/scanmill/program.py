@@ -1,4 +1,4 @@
-"""The command `scanmill` of a wheel that contains the program and its libraries."""
+"""The command `scanmill` of a wheel that contains the program."""
 
 import os
 import subprocess
@@ -11,10 +11,11 @@ PACKAGE = Path(__file__).resolve().parent
 def main():
     program = PACKAGE / "bin" / "scanmill"
     if not program.exists():
-        sys.exit("error: this package has no program: a wheel made by scripts/packages has")
+        sys.exit("error: this package was built without the program (SCANMILL_STUDIO=OFF)")
     os.environ.setdefault("SCANMILL_RESOURCES", str(PACKAGE / "share"))
-    # The folder with libraries that this system lacks; empty if it has all.
-    path = subprocess.run(["sh", PACKAGE / "lib" / "fallback" / "path"], capture_output=True, text=True, check=True).stdout.strip()
+    # Tells the folder with libraries that this system lacks; empty if it has all. Only a wheel of scripts/packages has it.
+    fallback = PACKAGE / "lib" / "fallback" / "path"
+    path = fallback.exists() and subprocess.run(["sh", fallback], capture_output=True, text=True, check=True).stdout.strip()
     if path:
         os.environ["LD_LIBRARY_PATH"] = path
     os.execv(program, [str(program), *sys.argv[1:]])

@@ -140,7 +140,7 @@ def _stagger_of(points: Points, destagger: bool | Stagger) -> Stagger | None:
     stagger = points.stagger if isinstance(points, Scan) else points.get("stagger")
     if stagger is None:
         raise InputError(
-            "the azimuth offsets of the sensor are unknown (no manifest): give destagger=False for columns as the "
+            "the azimuth offsets of the sensor are unknown (no manifest, or ring and column were not read): give destagger=False for columns as the "
             "sensor fires them, or destagger=dataset.stagger(sensor)"
         )
     return stagger

@@ -11,7 +11,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Optional, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -157,6 +157,12 @@ class Scene:
             for name, (pose, things, moves) in sorted(self._any_simulator().objects(time).items())
         }
 
+    @overload
+    def scan(self, sensor: Sensor, pose: Pose | Sequence[Pose], *args: Any, **options: Any) -> Scan: ...
+    @overload
+    def scan(
+        self, sensor: list[Sensor] | tuple[Sensor, ...], pose: Pose | Sequence[Pose], *args: Any, **options: Any
+    ) -> list[Scan]: ...
     def scan(
         self,
         sensor: Sensor | Sequence[Sensor],
@@ -173,7 +179,7 @@ class Scene:
         pose_times: ArrayLike | None = None,
         boxes: bool = False,
         vehicle: Path | Mapping[str, Any] | None = None,
-    ) -> Any:
+    ) -> Scan | list[Scan]:
         """Scans one revolution of a sensor and returns a Scan. If `sensor` is a list, returns a list of Scans in its
         order.
 

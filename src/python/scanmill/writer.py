@@ -54,9 +54,10 @@ class DatasetWriter:
         the sensor's file by default. `output`: further keys of a pipeline's `output`, such as {"formats": ["draco"]}.
         `shard_samples`: number of samples in a shard. `name`: name of the dataset.
 
-        `overwrite` replaces a dataset in the folder; `resume` continues an interrupted one: complete shards stay, and
-        add() only makes the first sample of each again, to see that nothing has changed. The loop must then give the
-        same frames in the same order. Raises InputError for wrong arguments and for a folder with other contents.
+        `overwrite` replaces a dataset in the folder; `resume` begins a new one or continues an interrupted one: complete
+        shards stay, and add() only makes the first sample of each again, to see that nothing has changed. The loop must
+        then give the same frames in the same order, with the same poses and velocities of objects. Outside of a `with`
+        block, finish() completes the dataset. Raises InputError for wrong arguments and for a folder with other contents.
         """
         if shard_samples < 1:
             raise InputError("shard_samples must be at least 1")
@@ -78,7 +79,7 @@ class DatasetWriter:
         pose_times: ArrayLike | None = None,
         drive: str = "drive",
         split: str = "train",
-    ) -> Any:
+    ) -> Scan | list[Scan] | None:
         """Scans a scene and adds the scans as the next sample of a sequence. Returns the Scan, or a list of Scans if
         the writer has a list of sensors; None if `resume` has found the sample complete.
 

@@ -93,11 +93,28 @@ const SampleRecord* DatasetWriter::written(const Sequence& sequence) {
   return split.complete ? &split.complete->manifest.samples[split.passed++] : nullptr;
 }
 
-bool DatasetWriter::hasNext(const ShotSource& source, const Sequence& sequence, const Frame& frame) {
+bool DatasetWriter::hasNext(const ShotSource& source, const Sequence& sequence, const Frame& frame,
+                            const std::string& placed) {
+  const std::string& split = splitOf_.try_emplace(sequence.key(), sequence.split).first->second;
+  if (split != sequence.split) {
+    throw InputError(fmt::format("the samples of the drive {} belong in one split, but it is '{}' and '{}'",
+                                 sequence.key(), split, sequence.split));
+  }
   open(source);
+  placed_ = xxh3(placed);
   const SampleRecord* const earlier = written(sequence);
   if (earlier == nullptr) return false;
-  requireSame(*earlier, sequence.key(frame.number), frame);
+  const std::string key = sequence.key(frame.number);
+  requireSame(*earlier, key, frame);
+  if (!whole_) {
+    const Split& shard = splitOf(sequence.split);
+    if (shard.complete->placed.at(shard.passed - 1) != placed_) {
+      throw InputError(fmt::format(
+          "the interrupted run has written the sample {} with other poses or velocities of objects: give the "
+          "same ones, or start again by replacing the dataset",
+          key));
+    }
+  }
   if (whole_ ? plan_.samples == 0 : splitOf(sequence.split).passed == 1) {
     compared_ = earlier;
     return false;
@@ -144,6 +161,7 @@ void DatasetWriter::add(const ShotSource& source, const Sequence& sequence, Made
   addFiles(made.scene->files, part.manifest.files);
   part.manifest.ontology = made.scene->ontology;
   part.numbers.push_back(number);
+  part.placed.push_back(placed_);
   account_ += made.account;
   if (part.numbers.size() == options_.shardSamples) close(split);
 }

@@ -44,8 +44,11 @@ class DatasetWriter {
   std::uint32_t framesOf(const Sequence& sequence) const;
 
   // Returns true if the next sample need not be made, since an interrupted run, or a complete run of the same loop, has
-  // written it; the sample then counts as added. Throws InputError if that sample has another key, time or pose.
-  [[nodiscard]] bool hasNext(const ShotSource& source, const Sequence& sequence, const Frame& frame);
+  // written it; the sample then counts as added. `placed`: a text that tells the poses and velocities of the objects
+  // that the caller places. Throws InputError if that sample has another key, time, pose or text (a complete run has no
+  // texts), and if the sequence has samples in another split.
+  [[nodiscard]] bool hasNext(const ShotSource& source, const Sequence& sequence, const Frame& frame,
+                             const std::string& placed);
   // Adds a sample, for which hasNext() has returned false. The first sample of each shard of an earlier run is made
   // again and compared with the shard, which shows whether scenes, objects and effects are still the same. All samples
   // must be of plans with the same sensors, effects and output. Throws InputError if the sample's scene has other
@@ -82,6 +85,8 @@ class DatasetWriter {
   std::vector<Split> splits_;                    // in the order of first use
   std::vector<std::string> sequences_;           // keys of the sequences, in the order of first use
   std::map<std::string, std::uint32_t> frames_;  // number of samples, by the key of the sequence
+  std::map<std::string, std::string> splitOf_;   // split, by the key of the sequence
+  std::string placed_;                           // hash of the text that hasNext() got last
   std::string classes_;                          // the ontology of all scenes, as JSON; empty: no sample yet
   const SampleRecord* compared_ = nullptr;       // the sample of an earlier run that the next add() compares
   TraceAccount account_;
