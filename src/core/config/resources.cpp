@@ -195,7 +195,7 @@ fs::path fileOfSavedPath(const std::string& saved, const fs::path& folder) {
 FileKind fileKind(const Value& root) {
   if (root.find("scenes") != nullptr || root.find("sensors") != nullptr) return FileKind::Pipeline;
   if (root.find("objects") != nullptr) return FileKind::Scene;
-  for (const char* key : {"elevation_deg", "calibration", "rosette", "raster", "beams", "pattern"}) {
+  for (const char* key : {"elevation_deg", "calibration", "rosette", "raster", "lines", "beams", "pattern"}) {
     if (root.find(key) != nullptr) return FileKind::Sensor;
   }
   if (root.find("classes") != nullptr) return FileKind::Ontology;

@@ -215,4 +215,49 @@ ListedBeams rasterBeams(const RasterScan& raster, std::uint32_t columns, double 
   return beams;
 }
 
+LineScan readLineScan(const Value& value, double period) {
+  Fields f(value, "lines");
+  LineScan scan;
+  f.require("mirror");
+  const std::string mirror = f.choice("mirror", {"rotating", "oscillating", "palmer"}, "");
+  if (mirror == "oscillating") scan.mirror = LineScan::Mirror::Oscillating;
+  if (mirror == "palmer") scan.mirror = LineScan::Mirror::Palmer;
+  const double field = f.number("field_deg", {0.01, mirror == "rotating" ? 360.0 : 170.0});
+  scan.field = radians(field);
+  const double lines = f.number("rate_hz", {0.01, 1e5}) * period;
+  const double unit = mirror == "oscillating" ? 2 : 1;  // an oscillation has two lines
+  if (lines < unit || std::abs(lines / unit - std::round(lines / unit)) > 1e-6) {
+    throw InputError(f.require("rate_hz").where,
+                     "a frame would have {:.6g} lines, but needs a whole number{}: choose the sensor's rate_hz, the "
+                     "frames a second, so that it divides the lines a second",
+                     lines, unit == 2 ? " of pairs, there and back" : "");
+  }
+  scan.lines = static_cast<std::uint32_t>(std::lround(lines));
+  const double linePeriod = period / scan.lines;
+  scan.lineTime = mirror == "rotating" ? linePeriod * field / 360 : linePeriod;
+  if (f.has("line_us")) scan.lineTime = f.number("line_us", {1e-3, linePeriod * 1e6}) * 1e-6;
+  f.finish();
+  return scan;
+}
+
+ListedBeams lineBeams(const LineScan& scan, std::uint32_t columns, double period) {
+  ListedBeams beams;
+  for (std::uint32_t column = 0; column < columns; ++column) {
+    const double lines = static_cast<double>(column) * scan.lines / columns;  // since the start of the frame
+    const double line = std::floor(lines);
+    const double inLine = lines - line;          // from 0 at the start of the line
+    double nadir = scan.field * (0.5 - inLine);  // rad, from -z to the left
+    double azimuth = kPi / 2;                    // rad, of the side to which the beam is deflected
+    if (scan.mirror == LineScan::Mirror::Oscillating) nadir = scan.field / 2 * std::cos(kPi * lines);
+    if (scan.mirror == LineScan::Mirror::Palmer) {
+      nadir = scan.field / 2;
+      azimuth -= 2 * kPi * inLine;
+    }
+    beams.azimuth.push_back(azimuth);
+    beams.elevation.push_back(nadir - kPi / 2);
+    beams.time.push_back(line * (period / scan.lines) + inLine * scan.lineTime);
+  }
+  return beams;
+}
+
 }  // namespace scanmill

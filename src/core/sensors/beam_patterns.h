@@ -1,7 +1,7 @@
 #pragma once
 
 // Sensors whose beams do not lie on cones about an axis: flash sensors, rotating prisms, mirrors that scan line by
-// line, and tables that list every beam.
+// line, line scanners of aircraft, and tables that list every beam.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-constexpr std::uint32_t kMostRings = 4096;  // of any sensor
+constexpr std::uint32_t kMostRings = 8192;  // of any sensor
 constexpr std::uint32_t kMostColumns = 65536;
 
 // A sensor that is read from a table with one line per beam. docs/keys.md explains the columns (key `beams`). Rings and
@@ -54,5 +54,25 @@ RasterScan readRasterScan(const Value& value);
 // first line from left to right, then the next line (from right to left if lines alternate), and so on. `columns`: a
 // multiple of the number of lines. `period`: time in which all lines are scanned (s).
 ListedBeams rasterBeams(const RasterScan& raster, std::uint32_t columns, double period);
+
+// A line scanner, which looks along -z; x is the direction of flight (Baltsavias, "Airborne laser scanning: basic
+// relations and formulas", ISPRS Journal 54, 1999, figure 2). A line lies in the plane of y and z, from left to right;
+// a palmer scanner's lines are circles that begin at the left and pass the front.
+struct LineScan {
+  // Rotating: equal angles in equal times. Oscillating: the angle is a sinusoid of time, and every other line goes from
+  // right to left. Palmer: the beam turns about -z on a cone.
+  enum class Mirror { Rotating, Oscillating, Palmer };
+  Mirror mirror = Mirror::Rotating;
+  double field = 0;         // rad, angle of a line, or full angle of the cone
+  std::uint32_t lines = 0;  // in a frame
+  double lineTime = 0;      // s, time of the pulses of a line
+};
+
+// Reads the key `lines` of a sensor, which docs/keys.md explains. `period`: duration of a frame (s). Throws InputError.
+LineScan readLineScan(const Value& value, double period);
+
+// Returns the beams of a frame in the order in which they fire, as one ring. The pulses fire at equal intervals,
+// without those of the pauses between lines. `columns`: number of pulses in a frame.
+ListedBeams lineBeams(const LineScan& scan, std::uint32_t columns, double period);
 
 }  // namespace scanmill

@@ -78,10 +78,23 @@ std::vector<double> ListedBeams::columnStarts(std::uint32_t columns) const {
 }
 
 std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time) {
-  if (table->rosette() == nullptr) return table;
+  if (!table->changes()) return table;
   auto ofRevolution = std::make_shared<BeamTable>(*table);
   ofRevolution->start = time;
-  fillBeams(*ofRevolution);
+  if (table->rosette() != nullptr) {
+    fillBeams(*ofRevolution);
+    return ofRevolution;
+  }
+  // The sector that begins at `time`; times are exact to a small fraction of a sector.
+  const double sector = std::fmod(std::round((time - table->start) / table->period), table->sectors);
+  const double turned = (table->clockwise ? -2 : 2) * kPi * sector / table->sectors;  // rad
+  ofRevolution->firstAzimuth += turned;
+  const double cosine = std::cos(turned);
+  const double sine = std::sin(turned);
+  for (Vec3d& d : ofRevolution->direction) d = {cosine * d.x - sine * d.y, sine * d.x + cosine * d.y, d.z};
+  for (Vec3f& o : ofRevolution->origin) {
+    o = static_cast<Vec3f>(Vec3d{cosine * o.x - sine * o.y, sine * o.x + cosine * o.y, o.z});
+  }
   return ofRevolution;
 }
 

@@ -74,10 +74,13 @@ struct BeamTable {
   // cones are unused. Each ring of a rosette sensor traces the rosette; its columns fire evenly over the period.
   struct RingsOnCones {};
   std::variant<RingsOnCones, std::shared_ptr<const ListedBeams>, Rosette> pattern;
-  double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the time is
-                                      // period * field / (2 pi)
-  double start = 0;                   // s since the start of the drive: time at which column 0 of a rosette fires
-  std::vector<double> columnStart;    // s, firing time of each column of listed beams; set by fillBeams()
+  double sweep = 0;                 // s, time from the first to the last column of a partial field; 0: the time is
+                                    // period * field / (2 pi)
+  double start = 0;                 // s since the start of the drive: time at which column 0 fires, see changes()
+  std::vector<double> columnStart;  // s, firing time of each column of listed beams; set by fillBeams()
+  // Number of equal parts of a turn about the z axis, each of which is a revolution of its own, for scans that do not
+  // fit into memory as a whole. The members describe the part that begins at `start`; `period` is the time of one part.
+  std::uint32_t sectors = 1;
   bool clockwise = false;             // direction of rotation, seen from above
   double firstAzimuth = 0;            // rad, azimuth of column 0 without the ring's offset
   double field = 2 * kPi;             // rad, horizontal field of view; in a full circle the last column is one
@@ -106,6 +109,8 @@ struct BeamTable {
 
   bool onCones() const { return std::holds_alternative<RingsOnCones>(pattern); }
   const Rosette* rosette() const { return std::get_if<Rosette>(&pattern); }  // null: another pattern
+  // Returns true if the beams of a revolution depend on `start`.
+  bool changes() const { return rosette() != nullptr || sectors > 1; }
   // Returns the beams that are listed one by one; null: another pattern.
   std::shared_ptr<const ListedBeams> listed() const {
     const auto* const beams = std::get_if<std::shared_ptr<const ListedBeams>>(&pattern);
@@ -134,7 +139,8 @@ struct BeamTable {
 void fillBeams(BeamTable& table);
 
 // Returns the beams of the revolution that starts at `time` (s since the start of the drive). The result is `table`
-// itself, except for rosettes, whose pattern differs from revolution to revolution.
+// itself unless BeamTable::changes(): a rosette's pattern differs from revolution to revolution, and sectors follow
+// each other about the z axis. `table` may have the rays of footprints if it is not a rosette.
 [[nodiscard]] std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time);
 
 // Computes the column of a range image for each beam, such that every column looks in one direction. The lasers that

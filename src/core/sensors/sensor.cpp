@@ -178,12 +178,22 @@ void checkSameLasers(const Value& preset, const Value& sensor) {
                    calibration->text, lasers, rings);
 }
 
-const std::initializer_list<std::string_view> kSensorKeys = {
-    "model",           "source",          "columns",       "rate_hz",     "direction",      "first_azimuth_deg",
-    "field_deg",       "calibration",     "pattern",       "rosette",     "raster",         "sweep_ms",
-    "beams",           "elevation_deg",   "ring_order",    "range_m",     "firing_time_us", "azimuth_offset_deg",
-    "origin_offset_m", "origin_height_m", "origin_left_m", "origin_up_m", "exit_width_mm",  "turns_while_firing",
-    "divergence_mrad", "beam_shape",      "pulse_ns",      "effects",     "intensity_from"};
+const std::initializer_list<std::string_view> kSensorKeys = {"model",           "source",
+                                                             "columns",         "rate_hz",
+                                                             "direction",       "first_azimuth_deg",
+                                                             "field_deg",       "calibration",
+                                                             "pattern",         "rosette",
+                                                             "raster",          "sweep_ms",
+                                                             "lines",           "sectors",
+                                                             "beams",           "elevation_deg",
+                                                             "ring_order",      "range_m",
+                                                             "firing_time_us",  "azimuth_offset_deg",
+                                                             "origin_offset_m", "origin_height_m",
+                                                             "origin_left_m",   "origin_up_m",
+                                                             "exit_width_mm",   "turns_while_firing",
+                                                             "divergence_mrad", "beam_shape",
+                                                             "pulse_ns",        "effects",
+                                                             "intensity_from"};
 
 // Throws InputError if the sensor has one of `otherKeys` or a key of rings on cones, which have no effect beside `key`.
 void refuseBeside(Fields& fields, const char* key, std::initializer_list<std::string_view> otherKeys) {
@@ -191,7 +201,7 @@ void refuseBeside(Fields& fields, const char* key, std::initializer_list<std::st
   fields.refuse(otherKeys, why);
   fields.refuse({"elevation_deg", "azimuth_offset_deg", "turns_while_firing", "field_deg", "sweep_ms",
                  "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                 "origin_up_m", "pattern", "calibration"},
+                 "origin_up_m", "pattern", "calibration", "sectors"},
                 why);
 }
 
@@ -203,11 +213,11 @@ void clearCones(BeamTable& table) {
   table.firingOffset.assign(table.rings, 0);
 }
 
-// Each of the next four functions reads one kind of beams into a table that has its rings, columns and period, and
+// Each of the next five functions reads one kind of beams into a table that has its rings, columns and period, and
 // throws InputError for keys of the other kinds. readListed() reads the file that the key `beams` names: one line per
 // beam.
 void readListed(Fields& fields, BeamTable& table) {
-  refuseBeside(fields, "beams", {"columns", "firing_time_us", "rosette", "raster"});
+  refuseBeside(fields, "beams", {"columns", "firing_time_us", "rosette", "raster", "lines"});
   clearCones(table);
   const Value& where = fields.require("beams");
   const std::filesystem::path file = fields.path("beams");
@@ -227,14 +237,14 @@ void readListed(Fields& fields, BeamTable& table) {
 }
 
 void readRosetteBeams(Fields& fields, BeamTable& table) {
-  refuseBeside(fields, "rosette", {"raster"});
+  refuseBeside(fields, "rosette", {"raster", "lines"});
   clearCones(table);
   table.pattern = readRosette(fields.require("rosette"));
   table.firingOffset = scaledBy(1e-6, readFiringTimes(fields.find("firing_time_us"), table));
 }
 
 void readRasterBeams(Fields& fields, BeamTable& table) {
-  refuseBeside(fields, "raster", {"firing_time_us"});
+  refuseBeside(fields, "raster", {"firing_time_us", "lines"});
   clearCones(table);
   const RasterScan raster = readRasterScan(fields.require("raster"));
   if (table.columns % raster.lines != 0 || table.columns == raster.lines) {
@@ -244,6 +254,13 @@ void readRasterBeams(Fields& fields, BeamTable& table) {
   }
   table.pattern = std::make_shared<const ListedBeams>(rasterBeams(raster, table.columns, table.period));
   table.topDown = true;
+}
+
+void readLineBeams(Fields& fields, BeamTable& table) {
+  refuseBeside(fields, "lines", {"firing_time_us"});
+  clearCones(table);
+  const LineScan lines = readLineScan(fields.require("lines"), table.period);
+  table.pattern = std::make_shared<const ListedBeams>(lineBeams(lines, table.columns, table.period));
 }
 
 // Reads rings that scan cones about the sensor's axis into `table`. `description`: the map that `fields` reads.
@@ -257,6 +274,12 @@ void readCones(Fields& fields, const Value& description, BeamTable& table) {
   if (const Value* sweep = fields.find("sweep_ms")) {
     if (fieldDegrees >= 360) throw InputError(sweep->where, "sweep_ms has no effect in a full circle: leave it out");
     table.sweep = fields.number("sweep_ms", {1e-3, table.period * 1e3}) * 1e-3;
+  }
+  if (table.sectors > 1) {
+    if (fieldDegrees < 360) fields.refuse({"sectors"}, "divides a full circle, but field_deg is less: leave it out");
+    const std::uint32_t gaps = table.columns - 1;  // between the columns of a sector
+    table.field = gaps * 2 * kPi / (static_cast<double>(table.columns) * table.sectors);
+    table.sweep = gaps * table.period / table.columns;
   }
 
   const std::string order = fields.choice("ring_order", {"top_down", "bottom_up", "unordered"}, "top_down");
@@ -285,7 +308,7 @@ void readCones(Fields& fields, const Value& description, BeamTable& table) {
 
 // Replaces the rings on cones, which readCones() has read, by the pixels of a flash sensor.
 void makeFlash(Fields& fields, BeamTable& table) {
-  fields.refuse({"azimuth_offset_deg", "firing_time_us", "sweep_ms", "turns_while_firing", "origin_offset_m",
+  fields.refuse({"azimuth_offset_deg", "firing_time_us", "sweep_ms", "sectors", "turns_while_firing", "origin_offset_m",
                  "origin_height_m", "origin_left_m", "origin_up_m"},
                 "has no effect beside `pattern: flash`: leave it out");
   constexpr double kWidest = 170;  // deg, largest field of view of a flash sensor
@@ -299,14 +322,22 @@ void makeFlash(Fields& fields, BeamTable& table) {
   table.field = 2 * kPi;
 }
 
+constexpr Range kRatesHz{1e-4, 1000};
+
+// Returns into how many parts a turn is divided, each of which is a revolution of its own.
+std::uint32_t readSectors(Fields& fields) {
+  return static_cast<std::uint32_t>(fields.has("sectors") ? fields.integer("sectors", 1, 256) : 1);
+}
+
 struct RingCount {
   double rings = 0;  // not yet checked against kMostRings
   Location where;    // location of the value that gives the number
 };
 
 // Returns the number of rings of a sensor whose beams are not listed: from `elevation_deg` or, in its absence, the
-// lasers of `rosette` or the zones of `raster`.
+// lasers of `rosette`, the zones of `raster`, or one for `lines`.
 RingCount readRingCount(Fields& fields) {
+  if (!fields.has("elevation_deg") && fields.has("lines")) return {1, fields.require("lines").where};
   if (!fields.has("elevation_deg") && fields.has("rosette")) {
     const Value& rosette = fields.require("rosette");
     return {static_cast<double>(readRosette(rosette).lasers()), rosette.where};
@@ -359,6 +390,12 @@ Value resolveSensor(const Value& value) {
   return merged;
 }
 
+RevolutionTime revolutionTime(const Value& description) {
+  Fields fields(description, "sensor");
+  const std::uint32_t sectors = readSectors(fields);
+  return {.period = 1 / fields.number("rate_hz", kRatesHz, 10) / sectors, .sectors = sectors};
+}
+
 SensorSize sensorSize(const Value& description) {
   const Value value = withCalibration(description);
   Fields fields(value, "sensor");
@@ -376,7 +413,13 @@ SensorSize sensorSize(const Value& description) {
                      "1 to {} rings and 1 to {} columns",
                      rings, columns, rings * columns, kMostRings, kMostColumns);
   }
-  return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
+  const std::uint32_t sectors = readSectors(fields);
+  const auto wholeColumns = static_cast<std::uint64_t>(columns);
+  if (sectors > 1 && (wholeColumns % sectors != 0 || wholeColumns < 2 * std::uint64_t{sectors})) {
+    throw InputError(fields.require("sectors").where, "sectors must divide the {} columns into two or more for each",
+                     columns);
+  }
+  return {static_cast<std::uint64_t>(rings), wholeColumns / sectors};
 }
 
 std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
@@ -389,7 +432,8 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   Fields fields(value, "sensor");
   table->model = fields.text("model", "custom");
   table->source = fields.text("source", "");
-  table->period = 1 / fields.number("rate_hz", {0.01, 1000});
+  table->sectors = readSectors(fields);
+  table->period = 1 / fields.number("rate_hz", kRatesHz) / table->sectors;
   const std::string pattern = fields.choice("pattern", {"spinning", "flash"}, "spinning");
   if (fields.has("beams")) {
     readListed(fields, *table);
@@ -397,6 +441,8 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
     readRosetteBeams(fields, *table);
   } else if (fields.has("raster")) {
     readRasterBeams(fields, *table);
+  } else if (fields.has("lines")) {
+    readLineBeams(fields, *table);
   } else {
     readCones(fields, value, *table);
     if (pattern == "flash") makeFlash(fields, *table);

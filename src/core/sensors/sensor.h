@@ -18,7 +18,12 @@ namespace scanmill {
 // beams is refused before memory is allocated.
 struct SensorSize {
   std::uint64_t rings = 0;
-  std::uint64_t columns = 0;
+  std::uint64_t columns = 0;  // in a revolution: a turn, or one of its sectors
+};
+
+struct RevolutionTime {
+  double period = 0.1;        // s, duration of a revolution: a turn, or one of its sectors
+  std::uint32_t sectors = 1;  // revolutions in a turn, see BeamTable::sectors
 };
 
 // Returns the complete map of a sensor: the keys of its preset, if it names one, overridden by the keys of `value`.
@@ -26,9 +31,10 @@ struct SensorSize {
 // keeps its location in its file. Throws InputError.
 [[nodiscard]] Value resolveSensor(const Value& value);
 
-// Both functions read a sensor map from resolveSensor() or from a sensor file. They throw InputError with the location,
-// also for more than 4096 rings or 65536 columns.
+// These functions read a sensor map from resolveSensor() or from a sensor file. They throw InputError with the
+// location, also for more than 8192 rings or 65536 columns.
 SensorSize sensorSize(const Value& description);
+RevolutionTime revolutionTime(const Value& description);
 std::shared_ptr<const BeamTable> makeBeams(const Value& description);
 
 }  // namespace scanmill

@@ -212,6 +212,58 @@ TEST_F(BeamPatterns, ARasterScansZonesLineByLine) {
               HasSubstr("firing_time_us has no effect"));
 }
 
+// Ten pulses a line, of which there are four in a frame.
+TEST_F(BeamPatterns, LinesOfAnAircraftFollowTheirMirror) {
+  const std::string rest = "columns: 40, rate_hz: 5, range_m: [1, 900], ";
+  const auto nadir = [](const Vec3d& d) { return std::atan2(d.y, -d.z); };  // rad, from straight down to the left
+  const auto turning = sensor(rest + "lines: {mirror: rotating, rate_hz: 20, field_deg: 90}");
+  const auto swinging = sensor(rest + "lines: {mirror: oscillating, rate_hz: 20, field_deg: 60, line_us: 40000}");
+  const auto nodding = sensor(rest + "lines: {mirror: palmer, rate_hz: 20, field_deg: 40}");
+  for (std::uint32_t c = 0; c < 40; ++c) {
+    const double inLine = c % 10 / 10.0;
+    EXPECT_NEAR(degrees(nadir(turning->direction[c])), 45 - 90 * inLine, 1e-9) << c;
+    EXPECT_NEAR(turning->time[c], 0.05 * (c / 10) + 0.0125 * inLine, 1e-7) << "a quarter of the turn";
+    EXPECT_NEAR(degrees(nadir(swinging->direction[c])), 30 * std::cos(kPi * c / 10), 1e-9) << c;
+    EXPECT_NEAR(swinging->time[c], 0.05 * (c / 10) + 0.04 * inLine, 1e-7);
+    EXPECT_NEAR(degrees(std::acos(-nodding->direction[c].z)), 20, 1e-9) << c;
+    EXPECT_NEAR(std::hypot(turning->direction[c].x, swinging->direction[c].x), 0, 1e-12);
+  }
+  EXPECT_GT(nodding->direction[0].y, 0.3) << "begins at the left";
+  EXPECT_GT(nodding->direction[2].x, 0.3) << "passes the front";
+  const auto refused = [&](const std::string& lines) { return refusal(rest + "lines: {" + lines + "}"); };
+  expectRefusals(refused, {{"mirror: rotating, rate_hz: 22, field_deg: 90", "4.4 lines, but needs a whole number"},
+                           {"mirror: oscillating, rate_hz: 15, field_deg: 90", "of pairs, there and back"},
+                           {"mirror: palmer, rate_hz: 20, field_deg: 200", "field_deg"},
+                           {"mirror: rotating, rate_hz: 20, field_deg: 90, line_us: 60000", "line_us"},
+                           {"rate_hz: 20, field_deg: 90", "mirror"}});
+  EXPECT_THAT(refusal(rest + "sectors: 2, lines: {mirror: palmer, rate_hz: 20, field_deg: 20}"),
+              HasSubstr("sectors has no effect beside `lines`"));
+}
+
+// The beams of the sectors, one after another, are those of the turn.
+TEST_F(BeamPatterns, SectorsFollowEachOther) {
+  const std::string rest =
+      "columns: 120, rate_hz: 0.01, range_m: [1, 300], elevation_deg: [40, 0, -60], origin_offset_m: 0.2, "
+      "azimuth_offset_deg: [1, 0, -2], direction: clockwise, first_azimuth_deg: 30, firing_time_us: {step_us: 900}, "
+      "turns_while_firing: true";
+  const auto turn = sensor(rest);
+  const auto sector = sensor(rest + ", sectors: 8");
+  ASSERT_EQ(sector->columns, 15u);
+  EXPECT_DOUBLE_EQ(sector->period, 12.5);
+  for (std::uint32_t k = 0; k < 24; ++k) {  // three turns
+    const auto beams = beamsAt(sector, k * 12.5);
+    for (std::size_t i = 0; i < beams->size(); ++i) {
+      const std::size_t beam = i / 15 * 120 + k % 8 * 15 + i % 15;
+      ASSERT_LT(length(beams->direction[i] - turn->direction[beam]), 1e-12) << k << " " << i;
+      ASSERT_LT(length(Vec3d(beams->origin[i]) - Vec3d(turn->origin[beam])), 1e-7);
+      ASSERT_NEAR(k % 8 * 12.5 + double{beams->time[i]}, double{turn->time[beam]}, 1e-5);
+    }
+    EXPECT_NEAR(std::remainder(beams->azimuth(0) - turn->azimuth(k % 8 * 15), 2 * kPi), 0, 1e-12);
+  }
+  EXPECT_THAT(refusal(rest + ", sectors: 7"), HasSubstr("sectors must divide the 120 columns"));
+  EXPECT_THAT(refusal(rest + ", sectors: 4, field_deg: 90"), HasSubstr("sectors divides a full circle"));
+}
+
 // The time of a sweep is that of its columns, whatever the rate of scans.
 TEST_F(BeamPatterns, APartialFieldMayBeSweptInAStatedTime) {
   const std::string rest =

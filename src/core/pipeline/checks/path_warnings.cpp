@@ -19,10 +19,9 @@ namespace scanmill {
 namespace {
 
 // Limits beyond which positions and paths are unusual, chosen by eye.
-constexpr double kMostHeight = 50;       // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnSurface = 0.05;      // m; a sensor at most this far from a surface causes a warning
 constexpr double kMostShift = 0.1;       // m; waypoints that are farther from the ground on average cause a warning
-constexpr double kLeastFlight = 3;       // m; a path that is nearer to the ground, but not at it, causes a warning
+constexpr double kLeastFlight = 3;       // m above the ground; lower paths that are not on it cause a warning
 constexpr double kMostBareShare = 0.02;  // a path causes a warning if a larger fraction of it has no ground
 // Height (m) of the vehicle's underside above the ground, unless half of the vehicle's height is less. The vehicle can
 // drive over lower obstacles.
@@ -132,7 +131,7 @@ class PathCheck {
     return fmt::format("something of the class {}", name);
   }
 
-  // Warns of a sensor that is on a surface, below the ground, out of range of the scene, or high above it.
+  // Warns of a sensor that is on a surface, below the ground, or out of range of the scene.
   void checkHeights(std::size_t sensor) {
     std::vector<Vec3d> positions;  // by checked frame
     for (const std::uint32_t frame : sequence_.spreadFrames(kHeightFrames)) {
@@ -147,7 +146,7 @@ class PathCheck {
     const auto below = firstHits(0, kDownwards, kProbeLength);
     const auto above = firstHits(0, kUp, kProbeLength);
     const auto touched = firstHits(kOnSurface, kDownwards, 2 * kOnSurface);
-    std::vector<std::size_t> onSurface, underground, outOfRange, high;  // frame numbers
+    std::vector<std::size_t> onSurface, underground, outOfRange;  // frame numbers
     for (std::size_t i = 0; i < positions.size(); ++i) {
       if (touched[i]) {
         onSurface.push_back(i);
@@ -155,7 +154,6 @@ class PathCheck {
       }
       if (!below[i] && above[i]) underground.push_back(i);
       if (bounds_.distanceTo(positions[i]) > plan_.sensors[sensor].beams->maxRange) outOfRange.push_back(i);
-      if (below[i] && below[i]->distance > kMostHeight) high.push_back(i);
     }
     const std::string& name = plan_.pipeline.sensors[sensor].name;
     const auto where = [&](const std::vector<std::size_t>& frames) {
@@ -178,10 +176,6 @@ class PathCheck {
     if (!outOfRange.empty()) {
       report(fmt::format("'{}' is {} away from the scene {}, which is beyond its range", name,
                          shortLength(bounds_.distanceTo(positions[outOfRange.front()])), where(outOfRange)));
-    }
-    if (outOfRange.empty() && 2 * high.size() > positions.size()) {
-      report(fmt::format("'{}' is more than {:g} m above the surface below it {} ({}): is the unit of the scene right?",
-                         name, kMostHeight, where(high), shortLength(below[high.front()]->distance)));
     }
   }
 
@@ -214,7 +208,9 @@ class PathCheck {
   // Returns the vehicle's box (m, vehicle's frame), without the space below its underside: the bounds of its model or,
   // without a model, of its sensors and of the wheels that the trajectory states.
   Box vehicleBox() const {
-    const double ground = groundInVehicle();
+    const GroundOptions* const options = trajectory_->ground();
+    const bool flies = options == nullptr || (!options->wheels && options->height > kLeastFlight);
+    const double ground = flies ? 0 : -options->height;
     Box box;
     if (vehicle_ != nullptr) {
       box = vehicle_->bounds();
@@ -222,7 +218,6 @@ class PathCheck {
       box.add(Vec3d{0, 0, ground});
       for (const SensorSetting& s : settings_->sensors) box.add(s.vehicleFromSensor.translation);
       if (box.high.z - ground < kOnSurface) box.high.z = ground + kDefaultHeight;
-      const GroundOptions* const options = trajectory_->ground();
       if (options != nullptr && options->wheels && options->wheels != GroundOptions().wheels) {
         const auto& [wheelbase, track] = *options->wheels;
         for (const double half : {-0.5, 0.5}) box.add(Vec3d{half * wheelbase, half * track, ground});
@@ -230,7 +225,7 @@ class PathCheck {
     }
     const double underside = ground + std::min(kClearance, (box.high.z - ground) / 2);
     // Cuts the box at the underside, except for flying vehicles, whose sensors may be below the vehicle's origin.
-    if (trajectory_->ground() != nullptr || box.low.z > -kOnSurface) box.low.z = std::max(box.low.z, underside);
+    if (!flies || box.low.z > -kOnSurface) box.low.z = std::max(box.low.z, underside);
     box.add(Box{{-kLeastHalfWidth, -kLeastHalfWidth, box.low.z}, {kLeastHalfWidth, kLeastHalfWidth, box.high.z}});
     return box;
   }
@@ -292,6 +287,14 @@ class PathCheck {
   // Warns of the first obstacle that the vehicle's box, or a mast of a sensor, touches on its way.
   void checkPath() {
     const Box box = vehicleBox();
+    const GroundOptions* const onGround = trajectory_->ground();
+    const double lowest = vehicle_ == nullptr || onGround == nullptr ? 0 : vehicle_->bounds().low.z;
+    if (onGround != nullptr && -lowest - onGround->height > kOnSurface) {
+      report(
+          fmt::format("the model of `vehicle` reaches {} under the ground: `ground: {{height: {:.3f}}}` in the "
+                      "trajectory puts it on its wheels",
+                      shortLength(-lowest - onGround->height), -lowest));
+    }
     std::vector<Box> boxes{box};
     for (const SensorSetting& sensor : settings_->sensors) {  // some may stand on masts above the vehicle's model
       const Vec3d& p = sensor.vehicleFromSensor.translation;

@@ -50,7 +50,7 @@ std::vector<std::string> sensorWarnings(const Plan& plan);
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 // Checks a sequence in its scene, with all objects at their positions at time 0 s. Warns of sensors that are on or
-// below surfaces, far above them, farther from the scene than their range, or enclosed by surfaces of one class; of the
+// below surfaces, farther from the scene than their range, or enclosed by surfaces of one class; of the
 // first object that the vehicle's box goes through; and of paths that leave the ground. Ignores moving objects around
 // sensors and in the vehicle's way. Gives each kind of warning at most once per sensor or path.
 std::vector<std::string> pathWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);

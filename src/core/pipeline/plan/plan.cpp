@@ -166,6 +166,12 @@ PlannedSensor planSensor(const Pipeline& pipeline, std::size_t index) {
   for (const Effects* effects : pipeline.effectCases(index)) {
     for (const ChosenEffect& effect : *effects) effect->check(*beams);
   }
+  if (sensor.sectors > 1 && pipeline.output.objects) {
+    throw InputError(sensor.description.where,
+                     "boxes of objects are not listed for '{}', whose turn is made in sectors: leave out `objects` of "
+                     "the output (points have their instances all the same), or `sectors`",
+                     sensor.name);
+  }
   const std::uint32_t rays = pipeline.raysPerBeam(index);
   if (rays == 1) return {beams, nullptr};
   if (beams->rosette() == nullptr) return {beams, std::make_shared<const Footprint>(makeFootprint(*beams, rays))};
@@ -211,7 +217,7 @@ void Plan::requireOneRevolution() const {
   if (pipeline.oneRevolution()) return;
   refuse(pipeline,
          "saved hits and passes have one revolution of each sensor in each sample, but these sensors turn at "
-         "different rates: save none, or scan with sensors of one rate");
+         "different rates, in sectors, or are chosen at random: save none, or scan with sensors of one rate");
 }
 
 void Plan::requireOneRay() const {
@@ -232,8 +238,8 @@ void Plan::requireOneRay() const {
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
-  // Adds up the bytes of hits, returns, the scan and the encoders' buffers, and the encoded bytes of this sample and of
-  // another sample that waits to be written. Beam tables are not counted, since all frames share them.
+  // Adds up the bytes of a revolution's hits, returns, scan and encoders' buffers, and the encoded bytes of this sample
+  // and of another sample that waits to be written. Beam tables are not counted, since all frames share them.
   constexpr std::uint64_t kReturnBytes = 40;  // bytes of a row of Returns
   constexpr std::uint64_t kVoxelBytes = 20;   // bytes of a voxel: labels, area, flags, part of the encoded archive
   std::uint64_t bytesPerPoint = sizeof(Vec3f);
@@ -244,14 +250,16 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   forEachChannel([&]<class T>(const ChannelRow& row, std::vector<T> Hits::*) {
     if (row.channel != Channel::Normal || channels.has(Channel::Normal)) bytesPerRay += sizeof(T);
   });
-  const std::uint64_t bytesPerReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * bytesPerPoint;
-  std::uint64_t beamCount = 0;
+  const std::uint64_t returns = pipeline.mostReturns();
+  const std::uint64_t bufferBytes = (kReturnBytes + 3 * bytesPerPoint) * returns * pipeline.beamsPerFrame();
+  std::uint64_t encodedPoints = 0;
   std::uint64_t scanCount = 0;
   for (const MountedSensor& s : pipeline.sensors) {
-    beamCount += s.beams() * s.revolutions;
+    // Of all sectors together, compressed points need less than one point a beam would need uncompressed.
+    encodedPoints += s.beams() * s.revolutions * (s.sectors > 1 ? 1 : returns);
     scanCount += s.revolutions;
   }
-  const std::uint64_t returnBytes = bytesPerReturn * pipeline.mostReturns() * beamCount;
+  const std::uint64_t returnBytes = bufferBytes + 2 * pipeline.output.formats.size() * bytesPerPoint * encodedPoints;
   const std::uint64_t voxelBytes = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
   return bytesPerRay * pipeline.raysPerFrame() + returnBytes + voxelBytes * scanCount;
 }

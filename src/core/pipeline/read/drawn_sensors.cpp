@@ -28,7 +28,8 @@ void forEachDistribution(const Value& value, const std::string& key,
 }  // namespace
 
 bool DrawnSensors::draws(const Written& written) {
-  return holdsDistribution(written.effects) || std::ranges::any_of(written.mounts, holdsDistribution) ||
+  return holdsDistribution(written.effects) || !written.choices.empty() ||
+         std::ranges::any_of(written.mounts, holdsDistribution) ||
          std::ranges::any_of(written.descriptions, [](const Value& description) {
            const Value* effects = description.find("effects");
            return effects != nullptr && holdsDistribution(*effects);
@@ -88,10 +89,10 @@ void DrawnSensors::checkCases() const {
 template <class Visit>
 void DrawnSensors::forEachKey(const Visit& visit) const {
   for (std::size_t s = 0; s < written_.mounts.size(); ++s) {
-    visit(fmt::format("sensors.{}.mount", s), written_.mounts[s]);
-    if (const Value* list = written_.descriptions[s].find("effects"))
-      visit(fmt::format("sensors.{}.effects", s), *list);
+    visit(written_.keys[s] + ".mount", written_.mounts[s]);
+    if (const Value* list = written_.descriptions[s].find("effects")) visit(written_.keys[s] + ".effects", *list);
   }
+  for (const auto& [key, names] : written_.choices) visit(key, names);
   visit(std::string("effects"), written_.effects);
 }
 
@@ -101,14 +102,18 @@ template <class Sampled>
 SensorDraw DrawnSensors::settingsWith(const Pipeline& pipeline, const Sampled& sampled) const {
   SensorDraw drawn;
   const Value effects = sampled(written_.effects, "effects", drawn.draws);
+  std::map<std::string, std::string> chosen;  // by key of the choice: the name of the sensor that scans
+  for (const auto& [key, names] : written_.choices) chosen[key] = sampled(names, key, drawn.draws).text;
   for (std::size_t s = 0; s < written_.mounts.size(); ++s) {
-    const Value mount = sampled(written_.mounts[s], fmt::format("sensors.{}.mount", s), drawn.draws);
+    MountedSensor sensor = pipeline.sensors[s];
+    drawn.scans.push_back(sensor.choice.empty() || chosen[sensor.choice] == sensor.name);
+    std::vector<DrawnValue> unused;
+    std::vector<DrawnValue>& draws = drawn.scans.back() ? drawn.draws : unused;
+    const Value mount = sampled(written_.mounts[s], sensor.key + ".mount", draws);
     drawn.mounts.push_back(readMount(mount, pipeline.vehicle));
-    MountedSensor sensor;
-    sensor.name = pipeline.sensors[s].name;
     sensor.description = written_.descriptions[s];
     for (auto& [key, value] : sensor.description.entries) {
-      if (key == "effects") value = sampled(value, fmt::format("sensors.{}.effects", s), drawn.draws);
+      if (key == "effects") value = sampled(value, sensor.key + ".effects", draws);
     }
     drawn.effects.push_back(std::make_shared<const Effects>(readSensorEffects(effects, *classes_, sensor)));
   }

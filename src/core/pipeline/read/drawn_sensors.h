@@ -1,11 +1,13 @@
 #pragma once
 
-// Sensors with random mounts or effects: the pipeline gives distributions, from which values are sampled for each
-// sequence or each frame (see config/distribution.h).
+// Random sensors, and sensors with random mounts or effects: the pipeline gives distributions, from which values are
+// sampled for each sequence or each frame (see config/distribution.h).
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "config/distribution.h"
@@ -19,6 +21,7 @@ namespace scanmill {
 struct SensorDraw {
   std::vector<Pose> mounts;  // pose of each sensor in the vehicle's frame (vehicleFromSensor)
   std::vector<std::shared_ptr<const Effects>> effects;  // list of effects of each sensor
+  std::vector<bool> scans;                              // false: another sensor of the random choice scans
   std::vector<DrawnValue> draws;
 };
 
@@ -30,6 +33,8 @@ class DrawnSensors {
     std::vector<Value> mounts;  // mount of each sensor
     // MountedSensor::description of each sensor. Its key `effects` may contain distributions.
     std::vector<Value> descriptions;
+    std::vector<std::string> keys;         // MountedSensor::key of each sensor
+    std::map<std::string, Value> choices;  // by MountedSensor::choice: the distribution of the sensors' names
   };
 
   // True if any of the values contains a distribution.

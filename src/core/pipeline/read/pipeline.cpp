@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/file.h"
 #include "base/input_budget.h"
@@ -14,6 +16,7 @@
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
 #include "scenefile/scene_file.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 
@@ -91,24 +94,45 @@ std::string readSensorName(Fields& fields, const std::string& fallback, const st
 std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, const std::filesystem::path& vehicle,
                                        DrawnSensors::Written& written) {
   std::vector<DrawnValue> ignored;
-  const auto sampled = [&](const Value& value, std::size_t sensor, const char* key) {  // without distributions
-    return withDraws(value, fmt::format("sensors.{}.{}", sensor, key), {.seed = seed}, ignored);
+  const auto sampled = [&](const Value& value, const std::string& key) {  // without distributions
+    return withDraws(value, key, {.seed = seed}, ignored);
   };
   std::vector<MountedSensor> sensors;
-  for (const Value& item : readList(fields.require("sensors"), "sensors")) {
+  const auto add = [&](const Value& item, const std::string& key) -> MountedSensor& {
     Fields sensorFields(item, "sensor");
     MountedSensor sensor;
+    sensor.key = key;
     sensor.description = resolveSensor(item);
     sensor.name = readSensorName(sensorFields, fmt::format("lidar{}", sensors.size()), sensors);
     written.descriptions.push_back(sensor.description);
+    written.keys.push_back(key);
     for (Value::Entry& entry : sensor.description.entries) {
-      if (entry.key == "effects") entry.value = sampled(entry.value, sensors.size(), "effects");
+      if (entry.key == "effects") entry.value = sampled(entry.value, key + ".effects");
     }
     const Value* mount = sensorFields.find("mount");
     written.mounts.push_back(mount == nullptr ? Value{} : *mount);
-    sensor.vehicleFromSensor = readMount(sampled(written.mounts.back(), sensors.size(), "mount"), vehicle);
+    sensor.vehicleFromSensor = readMount(sampled(written.mounts.back(), key + ".mount"), vehicle);
     sensor.size = sensorSize(sensor.description);
-    sensors.push_back(std::move(sensor));
+    return sensors.emplace_back(std::move(sensor));
+  };
+  const std::vector<Value>& list = readList(fields.require("sensors"), "sensors");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string key = fmt::format("sensors.{}", i);
+    const Value* const choice = list[i].find("choice");
+    if (choice == nullptr) {
+      add(list[i], key);
+      continue;
+    }
+    Value names = list[i];
+    Value& items = std::ranges::find(names.entries, "choice", &Value::Entry::key)->value;
+    for (std::size_t k = 0; k < items.items.size(); ++k) {
+      MountedSensor& sensor = add(choice->items[k], fmt::format("{}.choice.{}", key, k));
+      sensor.choice = key;
+      sensor.alternatives = items.items.size();
+      items.items[k] = scalarValue(sensor.name);
+    }
+    withDraws(names, key, {.seed = seed}, ignored);  // checks the distribution
+    written.choices.emplace(key, std::move(names));
   }
   if (sensors.size() > kMostSensors) throw InputError(fields.where(), "a vehicle can have at most 4095 sensors");
   return sensors;
@@ -161,13 +185,29 @@ void setSplits(const Value* splitting, Pipeline& pipeline) {
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
 }
 
-// Sets MountedSensor::period of each sensor, and Pipeline::periods.
+// Sets MountedSensor::period and sectors of each sensor, and Pipeline::periods: a sample has all sectors of a turn.
 void readPeriods(Pipeline& pipeline) {
+  pipeline.periods = {std::numeric_limits<double>::infinity(), 0};
   for (MountedSensor& sensor : pipeline.sensors) {
-    sensor.period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
+    const auto [period, sectors] = revolutionTime(sensor.description);
+    sensor.period = period;
+    sensor.sectors = sectors;
+    pipeline.periods.shortest = std::min(pipeline.periods.shortest, period);
+    pipeline.periods.longest = std::max(pipeline.periods.longest, period * sectors);
   }
-  const auto [shortest, longest] = std::ranges::minmax_element(pipeline.sensors, {}, &MountedSensor::period);
-  pipeline.periods = {shortest->period, longest->period};
+}
+
+// Throws InputError unless each frame of the sequence begins with a whole turn of the sensor, as its sectors need.
+void checkSectors(const MountedSensor& sensor, const Sequence& sequence) {
+  if (sensor.sectors == 1 || sequence.trajectory == nullptr) return;
+  const Trajectory& path = *sequence.trajectory;
+  const double turns = path.interval() / (sensor.period * sensor.sectors);
+  const bool equal = path.still() || path.regular() || path.frames() == 1;
+  if (equal && std::abs(turns - std::round(turns)) < 1e-6) return;
+  throw InputError(sensor.description.where,
+                   "'{}' makes its turn of {:g} s in {} sectors, but the frames of '{}' do not begin with its turns: "
+                   "leave out `every_s` and `every_m`, or give a multiple of the turn as `every_s`",
+                   sensor.name, sensor.period * sensor.sectors, sensor.sectors, path.name());
 }
 
 // Sets each sensor's greatest number of revolutions in a sample. A sample of a recording has one revolution of each
@@ -180,6 +220,7 @@ void countRevolutions(Pipeline& pipeline) {
   }
   for (MountedSensor& sensor : pipeline.sensors) {
     for (const Sequence& sequence : pipeline.sequences) {
+      checkSectors(sensor, sequence);
       const std::uint32_t revolutions = sequence.mostRevolutions(sensor.period, pipeline.periods);
       if (revolutions > Shot::kMostRevolutions) {
         throw InputError(sensor.description.where,
@@ -307,17 +348,18 @@ double Pipeline::rays() const {
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     double revolutions = 0;
     for (const Sequence& sequence : sequences) revolutions += sequence.totalRevolutions(sensors[s].period, periods);
-    count += revolutions * static_cast<double>(sensors[s].beams() * raysPerBeam(s));
+    count += revolutions * static_cast<double>(sensors[s].beams() * raysPerBeam(s)) /
+             static_cast<double>(sensors[s].alternatives);
   }
   return count;
 }
 
 bool Pipeline::oneRevolution() const {
   return std::ranges::all_of(sensors, [&](const MountedSensor& sensor) {
-    return std::ranges::all_of(sequences, [&](const Sequence& sequence) {
-      return sequence.mostRevolutions(sensor.period, periods) == 1 &&
-             sequence.totalRevolutions(sensor.period, periods) == sequence.frames;
-    });
+    return sensor.choice.empty() && std::ranges::all_of(sequences, [&](const Sequence& sequence) {
+             return sequence.mostRevolutions(sensor.period, periods) == 1 &&
+                    sequence.totalRevolutions(sensor.period, periods) == sequence.frames;
+           });
   });
 }
 

@@ -90,10 +90,15 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
 // A sensor on the vehicle. makePlan() builds its beam table after it has checked the total number of rays.
 struct MountedSensor {
   std::string name;
-  Value description;  // the keys of the sensor's preset file, overridden by those of the pipeline
+  std::string key;  // in the pipeline, as in --set: "sensors.0", or "sensors.0.choice.1" for one of a random choice
+  // Key of the random choice of which each sequence has one sensor, "sensors.0"; empty: all sequences have this sensor.
+  std::string choice;
+  std::size_t alternatives = 1;  // number of sensors in the choice
+  Value description;             // the keys of the sensor's preset file, overridden by those of the pipeline
   SensorSize size;
   Pose vehicleFromSensor = {};
   double period = 0.1;            // s, duration of a revolution
+  std::uint32_t sectors = 1;      // revolutions in a turn, see BeamTable::sectors
   std::uint32_t revolutions = 1;  // greatest number of revolutions in one sample
   // Never null. All sensors share one list, unless the pipeline's key `effects` contains the word `sensor`.
   std::shared_ptr<const Effects> effects;

@@ -70,10 +70,12 @@ SceneFactors factorsOf(const std::filesystem::path& sceneFile) {
 void addFewerColumns(const Pipeline& pipeline, double share, std::vector<std::string>& overrides) {
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const Value& sensor = pipeline.sensors[s].description;
+    const std::string& key = pipeline.sensors[s].key;
     if (sensor.find("columns") == nullptr || sensor.find("raster") != nullptr) continue;
     const auto columns = static_cast<std::uint64_t>(static_cast<double>(pipeline.sensors[s].size.columns) * share);
     overrides.push_back(
-        fmt::format("sensors.{}.columns={}", s, std::max<std::uint64_t>({columns, 1, pipeline.motion.steps})));
+        fmt::format("{}.columns={}", key, std::max<std::uint64_t>({columns, 1, pipeline.motion.steps})));
+    if (pipeline.sensors[s].sectors > 1) overrides.push_back(key + ".sectors=1");
   }
 }
 
@@ -102,8 +104,8 @@ Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownC
   if (classes == TownClasses::Own) overrides.insert(overrides.end(), {"labels=null", "vehicle=null"});
   for (std::size_t s = 0; s < pipeline.sensors.size() && !pipeline.vehicle.empty(); ++s) {
     const auto& [q, p] = pipeline.sensors[s].vehicleFromSensor;
-    overrides.push_back(fmt::format("sensors.{}.mount={{position: [{}, {}, {}], rotation: [{}, {}, {}, {}]}}", s, p.x,
-                                    p.y, p.z, q.w, q.x, q.y, q.z));
+    overrides.push_back(fmt::format("{}.mount={{position: [{}, {}, {}], rotation: [{}, {}, {}, {}]}}",
+                                    pipeline.sensors[s].key, p.x, p.y, p.z, q.w, q.x, q.y, q.z));
   }
   const double share = std::min(kMostBeams / static_cast<double>(pipeline.beamsPerFrame()),
                                 kMostRays / static_cast<double>(pipeline.raysPerFrame()));
@@ -144,8 +146,9 @@ void measure(const Plan& plan, SampleCosts& costs) {
 void measureInSmallTown(const Pipeline& pipeline, const Reread& reread, TownClasses classes, SampleCosts& costs) {
   const Plan small = makePlan(smallTownPipeline(pipeline, reread, classes));
   measure(small, costs);
-  const double beamRatio =
-      static_cast<double>(pipeline.beamsPerFrame()) / static_cast<double>(small.pipeline.beamsPerFrame());
+  double beams = 0;  // of whole turns; the small town has no sectors
+  for (const MountedSensor& sensor : pipeline.sensors) beams += static_cast<double>(sensor.beams() * sensor.sectors);
+  const double beamRatio = beams / static_cast<double>(small.pipeline.beamsPerFrame());
   costs.frameSeconds *= beamRatio;
   costs.frameBytes *= beamRatio;
 }

@@ -263,8 +263,8 @@ class DatasetRun {
         }
       }
       for (const MountedSensor& sensor : pipeline_.sensors) {
-        if (points[sensor.name] > 0) continue;
         const bool hasScan = scans[sensor.name] > 0;
+        if (points[sensor.name] > 0 || (!hasScan && !sensor.choice.empty())) continue;
         summary_.warnings.push_back(fmt::format(
             "sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(), sensor.name,
             hasScan ? "hits nothing" : "has no scan", sequence.frames,

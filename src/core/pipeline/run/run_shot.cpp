@@ -20,7 +20,7 @@ ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& 
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
   Shot rays = shot;
-  if (setup.footprint != nullptr) rays.beams = setup.footprint->rays;
+  if (setup.footprint != nullptr) rays.beams = beamsAt(setup.footprint->rays, shot.time);
   const BlockedRays* vehicle = setup.vehicle;
   BlockedRays revolutionVehicle;
   if (vehicle != nullptr && vehicle->ofRevolution) {

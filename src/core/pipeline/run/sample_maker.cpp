@@ -104,6 +104,7 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     auto& sensor = manifest.sensors.emplace_back();
     sensor.name = pipeline.sensors[s].name;
+    sensor.choice = pipeline.sensors[s].choice;
     sensor.beams = *plan.sensors[s].beams;
     // The manifest stores only the compact description, from which fillBeams() computes these tables.
     sensor.beams.direction = {};

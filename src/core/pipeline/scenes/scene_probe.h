@@ -1,7 +1,7 @@
 #pragma once
 
 // Traces single rays in a scene before it is scanned. Checks use these rays, and so does findRandomPath(), which finds
-// paths on which vehicles can drive.
+// paths on which vehicles can drive. Also finds the ground of a scene, on which vehicles are placed.
 
 #include <cstdint>
 #include <memory>
@@ -12,6 +12,8 @@
 #include "base/vec.h"
 #include "methods/method.h"
 #include "scene/scene.h"
+#include "scene/surface_heights.h"
+#include "sensors/ground_profile.h"
 #include "sensors/trajectory.h"
 
 namespace scanmill {
@@ -48,6 +50,24 @@ class SceneProbe {
   Box bounds_;
   std::unique_ptr<Method> own_;  // null: the constructor's method is used
   const Method* method_;
+};
+
+// The surfaces of a scene that count as ground: those of the given classes, no steeper than 60 degrees, of objects that
+// stand still. If no class is given, surfaces of all classes count except those of object instances such as cars.
+class SceneGround : public Ground {
+ public:
+  // The scene must outlive this object.
+  SceneGround(const Scene& scene, std::vector<std::uint16_t> classes);
+
+  std::optional<double> under(const Vec3d& position) const override;
+  std::optional<double> near(const Vec3d& position) const override;
+
+ private:
+  bool isGround(std::uint16_t semantic) const;
+
+  const Scene& scene_;
+  std::vector<std::uint16_t> classes_;
+  SurfaceHeights heights_;
 };
 
 // Returns the points (m, world frame) of a random path on surfaces of the classes in `request`, about 4 m apart. The

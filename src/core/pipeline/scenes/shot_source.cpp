@@ -9,7 +9,6 @@
 #include "base/parallel.h"
 #include "base/path.h"
 #include "pipeline/read/drawn_sensors.h"
-#include "pipeline/scenes/scene_ground.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "scene/surface_heights.h"
 #include "scenefile/scene_file.h"
@@ -69,6 +68,7 @@ FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles, 
     const MountedSensor& sensor = pipeline.sensors[s];
     const auto& effects = draw.effects.empty() ? sensor.effects : draw.effects[s];
     settings.sensors.push_back({.vehicleFromSensor = draw.mounts.empty() ? sensor.vehicleFromSensor : draw.mounts[s],
+                                .scans = draw.scans.empty() || draw.scans[s],
                                 .effects = effects,
                                 .paths = pipeline.recording == nullptr ? lightPaths(*effects) : nullptr,
                                 .vehicle = vehicles.empty() ? nullptr : vehicles[s]});
@@ -172,7 +172,7 @@ VehicleHits ShotSource::traceEgoVehicle(const std::vector<Pose>& mounts) const {
     const PlannedSensor& sensor = plan_.sensors[s];
     const auto blocked =
         std::make_shared<BlockedRays>(traceRays(sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays));
-    if (sensor.beams->rosette() != nullptr) blocked->ofRevolution = traceRays;
+    if (sensor.beams->changes()) blocked->ofRevolution = traceRays;
     hits.push_back(blocked);
   }
   return hits;
@@ -297,6 +297,7 @@ Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions 
   const std::shared_ptr<const Trajectory> path = isRecorded ? nullptr : trajectory(sequence);
   Frame frame{settings(sequence, number), number, isRecorded ? 0 : path->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+    if (!frame.settings->sensors[s].scans) continue;
     const double period = pipeline_.sensors[s].period;
     std::vector<double> starts{0};  // start times of the sensor's revolutions (s after the frame's time)
     if (revolutions == Revolutions::All && !isRecorded) starts = drive.revolutions(number, period, pipeline_.periods);

@@ -55,6 +55,7 @@ void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits);
 
 struct SensorSetting {
   Pose vehicleFromSensor;
+  bool scans = true;  // false: another sensor of the random choice scans
   std::shared_ptr<const Effects> effects;
   // How rays continue behind a hit, from the effect light_paths; null: rays end at their first hit.
   const LightPaths* paths = nullptr;

@@ -284,7 +284,7 @@ const Refusal kRefusals[] = {
     {"output:", "output: [pcd]\nlimits:", "[pcd]", "output"},
     {"method:", "limits: {max_rays: .nan}\nmethod:", ".nan", "max_rays"},
     // Too much.
-    {"rings: 8", "rings: 1000000", "1000000", "1000000 x 64 = 64000000 beams | 4096 rings"},
+    {"rings: 8", "rings: 1000000", "1000000", "1000000 x 64 = 64000000 beams | 8192 rings"},
     {"columns: 64", "columns: 1099511627776", "1099511627776", "8 x 1099511627776 | 65536 columns"},
     {"frames: 4", "frames: 1000000000000", "1000000000000", "frames | 10000000"},
     // Twice the same.

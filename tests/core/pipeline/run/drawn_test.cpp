@@ -135,6 +135,34 @@ TEST_F(Drawn, SensorsOwnEffectsMayBeDrawn) {
   EXPECT_LT(empty, 8);
 }
 
+// Half of the sequences have the one sensor, as if there were no other, half of them the other.
+TEST_F(Drawn, SensorsMayBeDrawn) {
+  const std::string seeds = "scenes.0.seeds=[1, ..., 6]";
+  const std::string flat =
+      "{name: flat, columns: 90, rate_hz: 10, elevation_deg: [0, -10], range_m: [0.5, 100], mount: {position: [0, 0, "
+      "{uniform: [1, 2]}]}}";
+  const std::string either = "sensors=[{choice: [" + kTop + ", " + flat + "], stratify: split}]";
+  const Manifest m = sound({seeds, either}, "either");
+  sound({seeds}, "top");
+  const MembersByName drawn = members("either");
+  const MembersByName top = members("top");
+  EXPECT_EQ(m.sensors.at(1).choice, "sensors.0");
+  std::size_t tops = 0;
+  for (const SampleRecord& sample : m.samples) {
+    const bool isTop = drawOf(sample, "sensors.0") == "top";
+    tops += isTop ? 1 : 0;
+    ASSERT_EQ(sample.scans.size(), 1U);
+    EXPECT_EQ(sample.scans[0].sensor, isTop ? "top" : "flat");
+    EXPECT_EQ(drawOf(sample, "sensors.0.choice.1.mount.position.2").empty(), isTop);
+    const std::string& points = sample.members.back();
+    EXPECT_EQ(isTop, top.contains(points) && drawn.at(points) == top.at(points));
+  }
+  EXPECT_EQ(2 * tops, m.samples.size());
+  const Plan plan = planOf({seeds, either});
+  EXPECT_THAT(messageOf([&] { generate(plan, {.folder = out("kept"), .keepHits = out("hits"), .quiet = true}); }),
+              HasSubstr("chosen at random"));
+}
+
 // What a scene's file draws is told, too; the scene is the one with the drawn values.
 TEST_F(Drawn, ScenesMayDraw) {
   std::string scene = yardScene();

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <map>
+#include <utility>
 
 #include "sensors/beams.h"
 #include "tests/core/pipeline/small_world.h"
@@ -61,7 +63,8 @@ constexpr const char* kPatterns[] = {
     "-5], "
     "firing_time_us: {step_us: 10}, turns_while_firing: true",
     "columns: 120, raster: {zones_deg: [12, -12], width_deg: 24, top_deg: 5, bottom_deg: -9, lines: 10, line_us: "
-    "8000}"};
+    "8000}",
+    "columns: 130, lines: {mirror: oscillating, rate_hz: 40, field_deg: 150}"};
 
 TEST_F(Patterns, PointsLieOnTheManifestsBeams) {
   int number = 0;
@@ -103,6 +106,41 @@ TEST_F(Patterns, OfAllMethodsAgree) {
       EXPECT_GT(static_cast<double>(close), 0.98 * static_cast<double>(exact.size())) << method << ": " << pattern;
     }
   }
+}
+
+// Of two places of a tripod: what the sectors of a sample see, together, is what a turn sees at once.
+TEST_F(Patterns, SectorsOfASampleAreItsTurn) {
+  const std::string places = "trajectories=[{name: tripod, poses: [{}, {position: [4, 3, 0], yaw_deg: 40}]}]";
+  const std::string keys = "columns: 120, elevation_deg: {top: 60, bottom: -60, rings: 40}";
+  const Manifest whole = sound({sensor(keys), places}, "whole");
+  const Manifest parts = sound({sensor(keys + ", sectors: 12"), places}, "parts");
+  const MembersByName turns = members("whole");
+  const MembersByName sectors = members("parts");
+  ASSERT_EQ(parts.samples.size(), 2u);
+  for (const SampleRecord& sample : parts.samples) {
+    ASSERT_EQ(sample.scans.size(), 12u);
+    const std::string turnName = sample.key + ".top.ray_tracing.pcd";
+    const Scan turn = decodeMember(turnName, turns.at(turnName));
+    std::map<std::pair<std::size_t, std::size_t>, Vec3d> seen;
+    for (std::size_t k = 0; k < 12; ++k) {
+      const ScanRecord& record = sample.scans[k];
+      EXPECT_NEAR(record.time, 0.1 * (&sample == &parts.samples[1]) + 0.1 / 12 * static_cast<double>(k), 1e-12);
+      const std::string name = fmt::format("{}.{}.ray_tracing.pcd", sample.key, revolutionName(record));
+      const Scan scan = decodeMember(name, sectors.at(name));
+      for (std::size_t i = 0; i < scan.size(); ++i) {
+        EXPECT_LT(scan[kColumn][i], 10);
+        seen[{scan[kRing][i], 10 * k + scan[kColumn][i]}] = Vec3d(scan.position[i]);
+      }
+    }
+    ASSERT_EQ(seen.size(), turn.size());
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+      const auto place = seen.find({turn[kRing][i], turn[kColumn][i]});
+      ASSERT_TRUE(place != seen.end() && length(place->second - Vec3d(turn.position[i])) < 1e-4) << i;
+    }
+  }
+  EXPECT_THAT(refusal({sensor(keys + ", sectors: 12"), places, "output.objects=true"}), HasSubstr("boxes of objects"));
+  EXPECT_THAT(refusal({sensor(keys + ", sectors: 12"), "trajectories.0.every_s=0.25"}),
+              HasSubstr("begin with its turns"));
 }
 
 // Rays of a footprint start with their beam's column.

@@ -1,4 +1,4 @@
-#include "pipeline/scenes/scene_ground.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"
 #include "sensors/trajectory.h"
 #include "tests/core/pipeline/small_world.h"

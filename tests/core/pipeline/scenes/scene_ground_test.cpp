@@ -1,6 +1,5 @@
-#include "pipeline/scenes/scene_ground.h"
-
 #include "drive_world.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
