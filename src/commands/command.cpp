@@ -24,7 +24,7 @@ std::span<const Command> commands() {
       Command{"plan", "PIPELINE", "show what a pipeline makes, what it models and what it leaves out", runPlan},
       Command{"verify", "DIR", "check that a dataset is complete and undamaged", runVerify},
       Command{"export", "DIR --to LAYOUT -o DIR",
-              "convert a dataset to SemanticKITTI, KITTI, nuScenes, LAS, PLY, NumPy or MCAP", runExport},
+              "convert a dataset to SemanticKITTI, KITTI, nuScenes, LAS, PLY or MCAP", runExport},
       Command{"report", "DATASET [-o FILE.html]",
               "write a page that shows a dataset: pictures, figures, warnings, points in 3D", runReport},
       Command{"view", "DATASET|SHARD|SCAN|EXR|SCENE",

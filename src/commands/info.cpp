@@ -10,11 +10,9 @@
 #include "base/file.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
-#include "base/text_scan.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/resources.h"
-#include "config/text.h"
 #include "dataset/card.h"
 #include "dataset/names.h"
 #include "dataset/reader.h"
@@ -207,40 +205,18 @@ void printSensor(const Value& sensor) {
   checkSensorEffects(sensor, nullptr);
   const auto beams = makeBeams(sensor);
   printText("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
-            beams->model, beams->rings, beams->columns, 1 / beams->period,
+            beams->model, beams->rings, beams->columns * beams->sectors, 1 / (beams->period * beams->sectors),
             beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
   printText("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n", beams->minRange,
             beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
+  if (beams->sectors > 1) printText("a turn is made in {} sectors\n\n", beams->sectors);
   if (beams->onCones()) return printBeams(*beams);
   const std::array<double, 2> field = fieldOf(*beams);
   printText("directions differ from beam to beam in a field of {:.3g} x {:.3g} deg\n", field[0], field[1]);
 }
 
-// Returns true if, by its suffix and contents, a file is Ouster's metadata or a table of a sensor's lasers.
-bool isCalibration(const std::filesystem::path& file) {
-  const std::string kind = lowerExtension(file);
-  if (kind != ".json" && kind != ".csv") return false;
-  constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // calibrations are smaller; scans and tilesets may be large
-  const std::string text = firstBytes(file, kMostBytes);
-  if (kind == ".json") return text.find("\"beam_altitude_angles\"") != std::string::npos;
-  const std::string head = lowerCase(std::string_view(text).substr(0, text.find('\n')));
-  const char separator = head.find(';') == head.npos ? ',' : ';';
-  std::vector<std::string_view> names;
-  splitCells(head, separator, names);
-  const auto has = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
-  // Scans have the column x or easting; tables of single beams have the column azimuth_deg.
-  return (has("elevation") || has("elevation_deg")) && !has("x") && !has("easting") && !has("azimuth_deg");
-}
-
-[[noreturn]] void refuseCalibration(const std::filesystem::path& file) {
-  throw InputError({file.string()},
-                   "is the calibration of a sensor: name it in a sensor's file by the key `calibration`, and give that "
-                   "file to info");
-}
-
 void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   const Value value = readYaml(file);
-  if (value.find("lasers") != nullptr) refuseCalibration(file);
   switch (fileKind(value)) {
     case FileKind::Pipeline:
       runPlan({file.string()});
@@ -295,7 +271,6 @@ void printFile(const std::filesystem::path& file, const Arguments& parsed) {
   if (name == kManifestName) return printDataset(folder);
   if (suffix == "exr") return printExr(file);
   if (suffix == "tar") return printShard(file);
-  if (isCalibration(file)) refuseCalibration(file);
   if (isMap(file)) {
     throw InputError({file.string()},
                      "is a map: name it in a scene by `town: {map: FILE}`, and give the scene to info");
@@ -321,7 +296,8 @@ std::array<double, 2> fieldOf(const BeamTable& beams) {
   std::ranges::sort(azimuths);
   double largestGap = azimuths.front() + 2 * kPi - azimuths.back();
   for (std::size_t i = 1; i < azimuths.size(); ++i) largestGap = std::max(largestGap, azimuths[i] - azimuths[i - 1]);
-  return {largestGap < radians(5) ? 360 : degrees(2 * kPi - largestGap), degrees(highest - lowest)};
+  return {largestGap < radians(5) || beams.sectors > 1 ? 360 : degrees(2 * kPi - largestGap),
+          degrees(highest - lowest)};
 }
 
 int runInfo(const std::vector<std::string>& arguments) {

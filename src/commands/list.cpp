@@ -147,8 +147,8 @@ Rows sensorRows() {
     const std::shared_ptr<const BeamTable> beams = makeBeams(value);
     const std::array<double, 2> field = fieldOf(*beams);
     const bool hasEffects = value.find("effects") != nullptr;
-    rows.push_back({file.front(), beams->model, fmt::format("{} x {}", beams->rings, beams->columns),
-                    fmt::format("{:.4g}", 1 / beams->period),
+    rows.push_back({file.front(), beams->model, fmt::format("{} x {}", beams->rings, beams->columns * beams->sectors),
+                    fmt::format("{:.4g}", 1 / (beams->period * beams->sectors)),
                     fmt::format("{:.0f}", static_cast<double>(beams->size()) / beams->period),
                     fmt::format("{:.3g} x {:.3g}", field[0], field[1]),
                     fmt::format("{:g} to {:g}", beams->minRange, beams->maxRange),
@@ -212,18 +212,11 @@ void printDevices() {
   }
   printText("devices:\n{}", rows.empty() ? "  none\n" : formatTable(rows));
   if (!anyUsable) return;
-  constexpr const char* kUse = "the depth camera draws with it, and `particle: {backend: gl}` computes with it";
   const std::string named = namedDevice();
-  if (!named.empty()) {
-    try {
-      const ComputeDevice device({"no device is taken", "without the variable, the first usable device is taken"});
-      printText("\nSCANMILL_GL_DEVICE names '{}', {}: {}.\n", named, device.name(), kUse);
-    } catch (const Error& error) {
-      printText("\n{}\n", error.what());
-    }
-    return;
-  }
-  printText("\nThe program takes the first usable device, or the device that SCANMILL_GL_DEVICE names: {}.\n", kUse);
+  printText(
+      "\nThe program takes {}: the depth camera draws with it, and `particle: {{backend: gl}}` computes with it.\n",
+      named.empty() ? "the first usable device, or the device that SCANMILL_GL_DEVICE names"
+                    : fmt::format("the device '{}', which SCANMILL_GL_DEVICE names", named));
 }
 
 }  // namespace

@@ -88,8 +88,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   CommandOptions options("tradeoff");
   options.add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
   options.add("overwrite", "replace an existing report");
-  options.add("budget", "about how many minutes the study may take (default: the pipeline's, or 5)", textValue(),
-              "MINUTES");
+  options.add("budget", "about how many minutes the study may take (default: 5)", textValue(), "MINUTES");
   options.add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =

@@ -173,14 +173,6 @@ TEST_F(Tell, InfoOnEveryKindOfFile) {
   EXPECT_THAT(parts, AllOf(ContainsRegex("triangles\n +part69 .*\n +part0 "), HasSubstr("and 10 more (smaller)\n")));
 }
 
-TEST_F(Tell, InfoOfCalibrationsNamesTheRoad) {
-  for (const auto& [name, text] : {std::pair{"m.json", R"({"beam_altitude_angles": [10, -11]})"},
-                                   {"v.yaml", "lasers: [{rot_correction: 0.1, vert_correction: 0.2}]\n"},
-                                   {"h.csv", "Channel,Elevation,Azimuth\r\n1,2,3\r\n"}}) {
-    expectRefused(scanmill({"info", folder_.write(name, text)}), "by the key `calibration`");
-  }
-}
-
 TEST_F(Tell, InfoNamesTheReturnsOfAnImage) {
   Scan scan;
   scan.rings = 2;

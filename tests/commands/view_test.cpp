@@ -60,6 +60,7 @@ TEST_F(View, PicturesOfDatasets) {
   SKIP_WITHOUT_CANVAS();
   expectPicture({at("a")});
   expectPicture({at("a"), "--sample", "2", "--camera", "above", "--rings", "--range-image", "--mesh"});
+  expectPicture({at("a"), "--map", "--color", "height"});
   expectPicture({at("a"), "--color", "class", "--color", "range"});
   expectPicture({at("a"), "--color", "class", "--color", "range", "--scale", "0,20"});
   expectPicture({"vehicle", "--ontology", "semantic_kitti"});

@@ -26,20 +26,13 @@ enum class InFolders {
   Ignored  // not known to be 3D files
 };
 
-// Advice for messages about kinds of files without a reader. {0} is the file, {1} the file without its ending.
-constexpr std::string_view kByAssimp = "convert it by `assimp export {0} {1}.glb` (Debian's package assimp-utils)";
-constexpr std::string_view kByTrimesh =
-    "convert it by `python3 -c \"import trimesh; trimesh.load('{0}').export('{1}.ply')\"`";
-constexpr std::string_view kByGdal = "convert it by `gdal_translate {0} {1}.tif`";
-
 struct AssetKind {
   std::string_view endings;  // separated by blanks, in lower case
   AssetReader reader;
   InFolders inFolders;
-  std::string_view advice = {};  // how to convert the file, if it is not read
 };
 
-constexpr std::array<AssetKind, 16> kKinds{{
+constexpr std::array<AssetKind, 11> kKinds{{
     {".gltf .glb .b3dm", AssetReader::Gltf, InFolders::Listed},
     {".blend .fbx .abc .x3d .usd .usda .usdc .usdz", AssetReader::Blender, InFolders::Listed},
     {".obj .ply .stl .dae .ac .acc .ac3d", AssetReader::Mesh, InFolders::Listed},
@@ -50,16 +43,7 @@ constexpr std::array<AssetKind, 16> kKinds{{
     {".tif .tiff", AssetReader::Heights, InFolders::Listed},
     {".asc", AssetReader::Heights, InFolders::Warned},
     {".hgt .vrt .img .dem", AssetReader::Heights, InFolders::Ignored},
-    {".3ds .x", AssetReader::None, InFolders::Warned, kByAssimp},
-    {".off", AssetReader::None, InFolders::Warned, kByTrimesh},
-    {".hdr", AssetReader::None, InFolders::Ignored,
-     "convert it by `gdal_translate {0} {1}.tif`, with the file of the values in place of their header"},
-    {".adf .bil .bip .bsq .bt .ers .flt .gpkg .grd .gtx .jp2 .nc .pix .rst .sdat", AssetReader::None,
-     InFolders::Ignored, kByGdal},
-    {".txt", AssetReader::None, InFolders::Ignored,
-     "if it holds points, give it the ending .xyz, and a first line of names (x y z intensity ...) if it has more than "
-     "x, y and z"},
-    {".3mf .amf .dxf .ifc .lwo .osm .pbf .wrl", AssetReader::None, InFolders::Warned},
+    {".3ds .3mf .amf .dxf .ifc .lwo .off .osm .pbf .wrl .x", AssetReader::None, InFolders::Warned},
 }};
 
 // Returns the row of kKinds that has this ending (in lower case); null if there is none.
@@ -76,14 +60,12 @@ struct Content {
 };
 
 // Kinds of contents that the first bytes of a file reveal. If several rows match, the first one is used.
-constexpr std::array<Content, 27> kContents{{
+constexpr std::array<Content, 22> kContents{{
     {"version https://git-lfs", "a pointer of Git LFS, not the file itself: fetch it by 'git lfs pull'", ""},
     {"\xff\xfe"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
     {"\xfe\xff"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
     {"gltf"sv, "a GLB (binary glTF)", ".glb .gltf"},
-    {"b3dm"sv, "a tile of 3D Tiles (b3dm)", ".b3dm"},
     {"kaydara fbx binary", "FBX", ".fbx"},
-    {"; fbx", "FBX", ".fbx"},
     {"blender", "a Blender file: rename it to .blend", ".blend"},
     {"ac3d", "AC3D", ".ac .acc .ac3d"},
     {"ply\n", "PLY", ".ply"},
@@ -94,11 +76,8 @@ constexpr std::array<Content, 27> kContents{{
     {"solid", "STL", ".stl"},
     {"\x89png"sv, "a PNG image", ""},
     {"\xff\xd8\xff"sv, "a JPEG image", ""},
-    {"%pdf", "a PDF", ""},
     {"pk\x03\x04"sv, "a ZIP archive: unpack it", ".3mf .amf .usdz"},
     {"\x1f\x8b"sv, "compressed by gzip: unpack it", ".blend"},
-    {"7z\xbc\xaf"sv, "a 7z archive: unpack it", ""},
-    {"rar!", "a RAR archive: unpack it", ""},
     {"<!doctype html", "a web page", ""},
     {"<html", "a web page", ""},
     {"<collada", "COLLADA", ".dae"},
@@ -118,17 +97,10 @@ std::string whyNoReader(const fs::path& file) {
     return "is a map of OpenStreetMap, from which an object `town: {map: ...}` of a scene builds a town; docs/town.md "
            "says how";
   }
-  const std::string ending = lowerExtension(file);
-  const AssetKind* const kind = kindOf(ending);
-  if (kind == nullptr || kind->advice.empty()) {
-    return fmt::format(
-        "has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND, for example with "
-        "Blender or FreeCAD",
-        ending);
-  }
   return fmt::format(
-      "has a kind that is not read ('{}'): {}", ending,
-      fmt::format(fmt::runtime(kind->advice), file.string(), fs::path(file).replace_extension().string()));
+      "has an unknown kind ('{}'): convert meshes to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND, for example with "
+      "Blender or FreeCAD, points to XYZ or LAS, and rasters to TIF, by gdal_translate",
+      lowerExtension(file));
 }
 
 std::string otherContent(const fs::path& file) {

@@ -42,10 +42,9 @@ constexpr double kMostSteps = 48;
 
 PointOptions readPointOptions(const Value& value) {
   Fields fields(value, "points");
-  fields.also({"spacing", "neighbors", "cover", "radius", "reflectance", "full", "labels"}).finish();
+  fields.also({"spacing", "cover", "radius", "reflectance", "full", "labels"}).finish();
   PointOptions options;
   if (fields.has("spacing")) options.spacing = fields.number("spacing", {1e-4, 1e3});
-  options.surfels.neighbors = static_cast<int>(fields.integer("neighbors", 3, 100, options.surfels.neighbors));
   options.surfels.cover = fields.number("cover", {0.1, 10}, options.surfels.cover);
   constexpr Range kRadii{1e-4, 100};  // m
   if (const Value* radius = fields.find("radius")) {

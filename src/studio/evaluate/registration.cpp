@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 #include <nanoflann.hpp>
 #include <vector>
@@ -98,23 +97,19 @@ class PclPair {
     icp_.setSearchMethodTarget(NearestPoints::Ptr(new NearestPoints(target_)), true);
   }
 
-  // Returns the fitness (m^2) of the source as moved by the last align(); nothing if no point of the source is within
-  // `within` (m) of the target. PCL's function expects a squared distance, and returns DBL_MAX if no point is near.
-  std::optional<double> fitness(double within) {
+  // Returns the fitness (m^2) of the source as moved by the last align(); nothing if a cloud has no points.
+  std::optional<double> fitness() {
     if (source_->empty() || target_->empty()) return std::nullopt;
-    const double score = icp_.getFitnessScore(within * within);
-    if (!(score < std::numeric_limits<double>::max())) return std::nullopt;
-    return score;
+    return icp_.getFitnessScore();
   }
 
   // Moves the source onto the target by ICP. Returns false if ICP finds no motion.
-  bool align(const IcpOptions& options) {
+  bool align(int iterations) {
     if (source_->size() < kLeastPoints || target_->size() < kLeastPoints) return false;
     // Turns off PCL's messages. The expected message, about too few matches, is not needed: see Registered::moved.
     static std::once_flag silenced;
     std::call_once(silenced, pcl::console::setVerbosityLevel, pcl::console::L_ALWAYS);
-    icp_.setMaximumIterations(options.iterations);
-    if (options.reach < std::numeric_limits<double>::infinity()) icp_.setMaxCorrespondenceDistance(options.reach);
+    icp_.setMaximumIterations(iterations);
     PclCloud moved;
     icp_.align(moved);
     return icp_.hasConverged() && icp_.getFinalTransformation().allFinite();
@@ -127,11 +122,11 @@ class PclPair {
 
 }  // namespace
 
-Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options) {
+Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, int iterations) {
   PclPair pair(source, target);
-  const std::optional<double> unmoved = pair.fitness(options.fitnessWithin);
-  if (!pair.align(options)) return {.unmoved = unmoved, .fitness = unmoved};
-  return {.moved = true, .unmoved = unmoved, .fitness = pair.fitness(options.fitnessWithin)};
+  const std::optional<double> unmoved = pair.fitness();
+  if (!pair.align(iterations)) return {.unmoved = unmoved, .fitness = unmoved};
+  return {.moved = true, .unmoved = unmoved, .fitness = pair.fitness()};
 }
 
 FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {

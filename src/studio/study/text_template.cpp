@@ -47,10 +47,13 @@ std::optional<double> numberOf(const data* value) {
 
 // Functions that format a number, by the format's name in templates; text_template.h lists the formats.
 const std::map<std::string, std::function<std::string(double)>> kNumberFormats{
-    {"m", metresText},       {"s", secondsText},
-    {"amount", shortNumber}, {"share", shareText},
-    {"factor", factorText},  {"bytes", [](double value) { return shortBytes(value); }},
-    {"digits", threeDigits}, {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
+    {"m", metresText},
+    {"s", secondsText},
+    {"amount", shortNumber},
+    {"share", shareText},
+    {"factor", factorText},
+    {"bytes", [](double value) { return shortBytes(value); }},
+    {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
 
 // True if the value is present and counts as not empty; the number 0 counts as empty here.
 bool isAny(const data* value) {
@@ -77,10 +80,6 @@ class FormatContext : public kainjow::mustache::context<std::string> {
     const std::string path = name.substr(0, colon), format = name.substr(colon + 1);
     if (format == "any") return keep(data(isAny(context::get(path))));
     if (format == "join") return keepText(joined(context::get(path)));
-    if (format == "words") {
-      const data* value = context::get(path);
-      return value == nullptr || !value->is_string() ? nullptr : keepText(keyAsWords(value->string_value()));
-    }
     const std::optional<double> number = numberAt(path);
     if (!number) return nullptr;
     if (format.starts_with("plural=")) {

@@ -5,12 +5,10 @@
 // {{^name}}...{{/name}} is written if the value is empty. The format of a number follows a colon:
 //
 //   {{scan_s:s}}             2.9 ms; also m, bytes, amount (45.3 M), share (98.4 %), factor (2.1), count (1,234,567)
-//                            and digits (three significant digits, 0.0123)
 //   {{lost/beams:share}}     the ratio of two values, in per cent
 //   {{size:.2f}}             any format of the library fmt
 //   {{size:unit}}            12.3 mm, if the value `unit` is "mm"
 //   {{scans:plural=scan}}    1 scan, 2 scans
-//   {{setting:words}}        depth camera, from depth_camera
 //   {{names:join}}           a, b, c
 //   {{#names:any}}           written once if the list is not empty
 //

@@ -55,8 +55,7 @@ struct ClipTime {
 
 // How the points of a cloud are turned into discs: see assets/surveys/surveys.h.
 struct SurfelOptions {
-  int neighbors = 12;  // number of neighbours from which normal and radius are estimated, 3 to 100
-  double cover = 1.5;  // factor on the radius of a disc with the area that the point represents
+  double cover = 1.5;                        // factor on the radius of a disc with the area that the point represents
   std::array<double, 2> radius{0.005, 0.2};  // m, least and greatest radius
   bool operator==(const SurfelOptions&) const = default;
 };

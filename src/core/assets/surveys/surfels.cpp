@@ -14,7 +14,8 @@ namespace {
 
 // Points lie on a line if their second-largest spread is below this fraction of the largest; chosen by eye.
 constexpr double kLineSpread = 0.02;
-constexpr int kMostFactor = 8;  // largest factor by which the number of neighbours grows
+constexpr std::size_t kNeighbors = 12;  // number of neighbours from which normal and radius are estimated
+constexpr int kMostFactor = 8;          // largest factor by which the number of neighbours grows
 
 // An adapter with the interface that nanoflann requires of a set of points.
 struct Points {
@@ -73,7 +74,7 @@ bool fitPlane(const std::vector<Vec3f>& positions, const std::vector<std::uint32
 // `normal`: the point's normal, zero if unknown. `near`: storage for searches.
 Surfel surfelOf(const Tree& tree, const std::vector<Vec3f>& positions, std::size_t i, const Vec3d& normal,
                 const SurfelOptions& options, Neighborhood& near) {
-  const auto count = static_cast<std::size_t>(options.neighbors) + 1;  // neighbours and the point itself
+  const auto count = kNeighbors + 1;  // neighbours and the point itself
   const auto [leastRadius, greatestRadius] = options.radius;
   Surfel surfel{{0, 0, 1}, static_cast<float>(greatestRadius)};
   search(tree, positions[i], count, near);

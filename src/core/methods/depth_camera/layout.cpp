@@ -3,8 +3,6 @@
 // of the image. All cameras have the same focal length; of several candidate layouts the one with the lowest cost is
 // chosen. The cost counts pixels and images.
 
-#include "methods/depth_camera/layout.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,8 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+
+#include "methods/depth_camera/depth_camera.h"
 
 namespace scanmill {
 

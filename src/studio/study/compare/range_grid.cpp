@@ -1,10 +1,9 @@
-#include "study/compare/range_grid.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "evaluate/spread.h"
+#include "study/compare/patches.h"
 
 namespace scanmill {
 

@@ -1,11 +1,10 @@
-#include "study/compare/surfaces.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "evaluate/spread.h"
+#include "study/compare/compare.h"
 
 namespace scanmill {
 

@@ -1,5 +1,3 @@
-#include "study/noise/recorded_scan.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 #include "base/error.h"
 #include "evaluate/spread.h"
 #include "study/linear_fit.h"
+#include "study/noise/flat_patches.h"
 
 namespace scanmill {
 

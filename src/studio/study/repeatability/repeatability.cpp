@@ -149,7 +149,7 @@ class RepeatabilityRun {
     result_.seed = pipeline.seed;
     result_.scans = choice_.scans;
     result_.margin = choice_.margin;
-    result_.icp = choice_.icp;
+    result_.icpIterations = choice_.icpIterations;
     result_.reference = choice_.reference;
     for (const MethodSetting& m : choice_.methods) result_.methods.push_back(m.setting.name);
     for (const NoiseLevel& level : choice_.levels) result_.levels.push_back(level.name);
@@ -253,7 +253,8 @@ class RepeatabilityRun {
     const std::vector<ObjectCloud> clouds = cloudsOf(method, scene, shot, object);
     std::vector<Registered> registered(pairs_.size());
     parallelForEach(pairs_.size(), 1, [&](std::size_t p) {
-      if (!stopped()) registered[p] = registerClouds(clouds[pairs_[p].source], clouds[pairs_[p].target], choice_.icp);
+      if (!stopped())
+        registered[p] = registerClouds(clouds[pairs_[p].source], clouds[pairs_[p].target], choice_.icpIterations);
     });
     if (stopped()) throw Error("stopped: nothing was written");
 
@@ -342,7 +343,6 @@ Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions&
   return RepeatabilityRun(plan, options).run();
 }
 
-// An infinite limit, which means that there is no limit, is written as null.
 std::string repeatabilityJson(const Repeatability& result) {
   OrderedJson json{{"schema", Repeatability::kSchemaVersion},
                    {"program", result.programVersion},
@@ -350,10 +350,7 @@ std::string repeatabilityJson(const Repeatability& result) {
                    {"seed", result.seed},
                    {"scans", result.scans},
                    {"margin_m", result.margin},
-                   {"icp",
-                    {{"iterations", result.icp.iterations},
-                     {"reach_m", result.icp.reach},
-                     {"fitness_within_m", result.icp.fitnessWithin}}},
+                   {"icp", {{"iterations", result.icpIterations}}},
                    {"methods", result.methods},
                    {"noise", result.levels},
                    {"reference", result.levels[result.reference]},

@@ -54,14 +54,14 @@ struct RepeatedView {
 };
 
 struct Repeatability {
-  static constexpr int kSchemaVersion = 1;
+  static constexpr int kSchemaVersion = 2;
   std::string programVersion;
   std::string pipelineName;
   std::string pipelineText;  // the pipeline's text with overrides as comments, see Pipeline::text
   std::uint64_t seed = 0;    // seed of the first scan; further scans have the following numbers
   std::uint32_t scans = 0;   // number of scans from each pose
   double margin = 0;         // points farther from the object's bounding box than this (m) are removed
-  IcpOptions icp;
+  int icpIterations = kIcpIterations;
   std::vector<std::string> methods;  // names of the settings
   std::vector<std::string> levels;   // names of the noise levels
   std::size_t reference = 0;         // index in `levels` of the level that the first charts show
@@ -84,7 +84,7 @@ struct Repeatability {
 //     methods: [ray_tracing, {depth_camera: {resolution: 512}}]   # default: the pipeline's method
 //     object: crate                 # name of an object in the scene (default: the object nearest to the sensor)
 //     margin_m: 0.1                 # points farther from the object's bounding box are removed
-//     icp: {iterations: 10, reach_m: 0.5, fitness_within_m: 0.5}  # default: 10 and no limits, as in PCL
+//     icp: {iterations: 10}         # the default, as in PCL
 struct NoiseLevel {
   std::string name;
   std::vector<std::shared_ptr<const Effects>> effects;  // one list per sensor
@@ -98,7 +98,7 @@ struct RepeatabilityChoice {
   std::vector<MethodSetting> methods;
   std::string object;   // name of an object; empty: the object nearest to the sensor
   double margin = 0.1;  // distance (m) from the object's bounding box within which points are kept
-  IcpOptions icp;
+  int icpIterations = kIcpIterations;
 };
 
 // Reads the key `repeatability` of a pipeline; absent keys have the defaults. Throws InputError with file and line.

@@ -53,16 +53,6 @@ std::size_t readReference(const Value& value, const std::vector<NoiseLevel>& lev
                    suggestion(name, namesOf(levels)));
 }
 
-IcpOptions readIcp(const Value& value) {
-  IcpOptions icp;
-  Fields fields(value, "icp");
-  fields.also({"iterations", "reach_m", "fitness_within_m"}).finish();
-  icp.iterations = static_cast<int>(fields.integer("iterations", 1, 100'000, icp.iterations));
-  icp.reach = fields.number("reach_m", {1e-6, 1e6}, icp.reach);
-  icp.fitnessWithin = fields.number("fitness_within_m", {1e-6, 1e6}, icp.fitnessWithin);
-  return icp;
-}
-
 }  // namespace
 
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
@@ -88,7 +78,11 @@ RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
   }
   choice.object = fields.text("object", "");
   choice.margin = fields.number("margin_m", {0, 1000}, choice.margin);
-  if (const Value* icp = fields.find("icp")) choice.icp = readIcp(*icp);
+  if (const Value* icp = fields.find("icp")) {
+    Fields icpFields(*icp, "icp");
+    choice.icpIterations = static_cast<int>(icpFields.integer("iterations", 1, 100'000, choice.icpIterations));
+    icpFields.finish();
+  }
   return choice;
 }
 

@@ -45,7 +45,7 @@ class StudyRun {
         options_(options),
         choice_(readStudyChoice(plan.pipeline)),
         sequence_(plan.pipeline.sequences[choice_.sequence]),
-        budget_(options.budgetSeconds > 0 ? options.budgetSeconds : choice_.budgetSeconds),
+        budget_(options.budgetSeconds > 0 ? options.budgetSeconds : kStudySeconds),
         progress_("tradeoff", choice_.settings.size(), "settings", "beams", options.quiet) {}
 
   // Each step reads what the steps before it have set.

@@ -70,7 +70,7 @@ std::vector<MethodSetting> defaultSettings() {
 StudyChoice readStudyChoice(const Pipeline& pipeline) {
   StudyChoice choice;
   Fields fields(pipeline.root.valueOf("tradeoff"), "tradeoff");
-  fields.also({"settings", "encodings", "sequence", "shots", "repeats", "budget_s"}).finish();
+  fields.also({"settings", "encodings", "sequence", "shots", "repeats"}).finish();
   const Value* settings = fields.find("settings");
   choice.settings = settings == nullptr ? defaultSettings() : readSettings(*settings, "tradeoff.settings");
   const Value* encodings = fields.find("encodings");
@@ -79,7 +79,6 @@ StudyChoice readStudyChoice(const Pipeline& pipeline) {
   if (const Value* sequence = fields.find("sequence")) choice.sequence = readSequence(*sequence, pipeline);
   choice.shots = static_cast<std::uint32_t>(fields.integer("shots", 1, 1000, 8));
   choice.repeats = static_cast<int>(fields.integer("repeats", 1, 100, 3));
-  choice.budgetSeconds = fields.number("budget_s", {1, 1e6}, 300);
   return choice;
 }
 

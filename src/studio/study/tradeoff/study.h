@@ -103,7 +103,7 @@ struct Study {
   StudyMachine machine;
   std::string pipelineName;
   std::string pipelineFile;  // path as given on the command line
-  bool budgetGiven = false;  // true: the budget is from --budget, not from the pipeline
+  bool budgetGiven = false;  // true: the budget is from --budget
   std::string pipelineText;  // the pipeline's text with overrides as comments, see Pipeline::text
   std::uint64_t budgetSeconds = 0;
   int repeats = 0;
@@ -148,7 +148,6 @@ std::vector<Advice> advise(const Study& study);
 //     sequence: street-s1-lane      # key of the sequence to scan (default: the first)
 //     shots: 8                      # maximum number of frames to scan
 //     repeats: 3                    # least number of timed scans per frame
-//     budget_s: 300                 # approximate duration of the study
 struct StudyEncoding {
   std::string name;
   std::string options;
@@ -161,7 +160,6 @@ struct StudyChoice {
   std::size_t sequence = 0;  // index in Pipeline::sequences
   std::uint32_t shots = 8;
   int repeats = 3;
-  double budgetSeconds = 300;
 };
 
 // Reads the key `tradeoff` of a pipeline. Throws InputError, with file and line, also for wrong options of settings.
@@ -176,8 +174,10 @@ std::vector<MethodSetting> defaultSettings();
 // decoded and original positions. If encoding fails, sets EncodingResult::failure.
 EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
 
+inline constexpr double kStudySeconds = 300;  // budget of a study for which none is given (s)
+
 struct StudyOptions {
-  double budgetSeconds = 0;  // approximate duration of the study (s); 0: the pipeline's budget, or 300 s
+  double budgetSeconds = 0;  // approximate duration of the study (s); 0: kStudySeconds
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, runStudy() throws Error; may be null
   // Draws which beams of a setting are wrong, and returns the contents of a PNG file. If null, no pictures are drawn.

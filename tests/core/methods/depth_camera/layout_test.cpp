@@ -1,6 +1,5 @@
-#include "methods/depth_camera/layout.h"
-
 #include "base/random.h"
+#include "methods/depth_camera/depth_camera.h"
 #include "sensors/sensor.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"

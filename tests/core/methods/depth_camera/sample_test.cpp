@@ -1,6 +1,6 @@
 #include "methods/depth_camera/sample.h"
 
-#include "methods/depth_camera/layout.h"
+#include "methods/depth_camera/depth_camera.h"
 #include "tests/core/methods/depth_camera/worlds.h"
 #include "tests/support/message_of.h"
 

@@ -41,7 +41,6 @@ TEST_F(TradeoffKey, AllOfItMayBeLeftOut) {
   EXPECT_FALSE(c.encodings.empty());
   EXPECT_EQ(c.shots, 8u);
   EXPECT_EQ(c.repeats, 3);
-  EXPECT_EQ(c.budgetSeconds, 300);
   EXPECT_EQ(c.sequence, 0u);
 }
 
@@ -49,7 +48,7 @@ TEST_F(TradeoffKey, SaysWhatIsCompared) {
   const StudyChoice c = choice(
       "{settings: [{ray_tracing: {instancing: [never, always]}}, particle], encodings: [csv, {draco: {max_error_mm: "
       "[1, 2.5]}}], "
-      "sequence: yard-s1-drive, shots: 2, repeats: 1, budget_s: 20}");
+      "sequence: yard-s1-drive, shots: 2, repeats: 1}");
   ASSERT_THAT(c.settings, SizeIs(3));
   EXPECT_EQ(c.settings[1].setting.name, "ray_tracing instancing=always");
   ASSERT_THAT(c.encodings, SizeIs(3));
@@ -61,7 +60,6 @@ TEST_F(TradeoffKey, SaysWhatIsCompared) {
   EXPECT_LE(c.encodings[2].choice.format->maxError(), 0.0025 * (1 + 1e-9));
   EXPECT_EQ(c.shots, 2u);
   EXPECT_EQ(c.repeats, 1);
-  EXPECT_EQ(c.budgetSeconds, 20);
 }
 
 TEST_F(TradeoffKey, OneOfSeveralSequencesIsNamed) {
@@ -93,7 +91,6 @@ TEST_F(TradeoffKey, EveryWrongTextHasItsPlaceAndAWayOut) {
   expectRefusedKey("  sequence: yard-s1-drivel", {"study.yaml:2:13", "no sequence", "did you mean 'yard-s1-drive'"});
   expectRefusedKey("  shots: 0", {"study.yaml:2:10", "shots"});
   expectRefusedKey("  repeats: many", {"study.yaml:2:12", "repeats", "'many'"});
-  expectRefusedKey("  budget_s: 0", {"study.yaml:2:13", "budget_s"});
 }
 
 }  // namespace

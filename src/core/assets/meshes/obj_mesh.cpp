@@ -6,6 +6,19 @@
 //   f v[/vt][/vn] ...          a polygon; negative indices count from the latest vertex
 //   o NAME, g NAME             the node of the faces that follow: the group if there is one, else the object
 //   usemtl NAME, mtllib FILE   materials; a line may name several libraries
+//
+// Also reads their material libraries: "Appendix B2. Material Library File Format (.mtl)", with the physically based
+// keys Pr and Pm.
+//
+//   newmtl NAME
+//   Kd r [g b]                       base colour, linear; a single number is grey; with neither Kd nor map_Kd a
+//                                    material states no colour
+//   d [-halo] F, Tr F                opacity, or 1 - opacity
+//   Pr F, Pm F                       roughness, metallic
+//   map_Kd, map_d [options] FILE     image of the base colour, or of the opacity; the name may contain spaces
+//
+// The options -s and -o scale and shift the texture coordinates. If a material has both images, map_Kd's options hold
+// for both. Other keys do not say how a surface reflects in the near infrared.
 
 #include <fmt/format.h>
 
@@ -20,20 +33,242 @@
 #include <vector>
 
 #include "assets/meshes/asset_parts.h"
+#include "assets/meshes/base_color.h"
 #include "assets/meshes/imported_file.h"
-#include "assets/meshes/obj/materials.h"
 #include "assets/meshes/polygon.h"
 #include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/format_support.h"
+#include "base/text_scan.h"
 
 namespace scanmill {
 
 namespace {
 
 namespace fs = std::filesystem;
-using obj::Statements;
+
+// Reads the statements of an OBJ file or a material library, one after the other. A statement is a line: a keyword and
+// its values. A line that ends with a backslash continues in the next line. Lines that begin with # are comments.
+class Statements {
+ public:
+  // `text` must outlive the object.
+  Statements(std::string_view text, const fs::path& file) : text_(textOfFile(text)), file_(file.string()) {}
+
+  // Goes to the next statement. Returns false at the end of the text.
+  bool next() {
+    while (!text_.empty()) {
+      std::string_view line = nextLine();
+      line_ = lines_;
+      if (line.empty() || line.front() == '#') continue;
+      if (line.back() == '\\') {
+        joined_.clear();
+        for (; !line.empty() && line.back() == '\\'; line = nextLine()) {
+          joined_.append(trimmed(line.substr(0, line.size() - 1))).append(" ");
+        }
+        joined_.append(line);
+        line = trimmed(joined_);
+        if (line.empty()) continue;
+      }
+      keyword_ = takeWord(line);
+      rest_ = trimmed(line);
+      return true;
+    }
+    return false;
+  }
+
+  std::string_view keyword() const { return keyword_; }
+  // Returns the line after the keyword, without blanks at both ends but with any comment, since names may contain #.
+  std::string_view rest() const { return rest_; }
+  // Splits the line behind the keyword, up to a comment, into words. The result is valid until the next call.
+  const std::vector<std::string_view>& words() {
+    // A # after a full stop starts no comment: Microsoft's library prints NaN as "-1.#IND".
+    std::size_t comment = rest_.find('#');
+    while (comment != rest_.npos && comment > 0 && rest_[comment - 1] == '.') comment = rest_.find('#', comment + 1);
+    splitWords(rest_.substr(0, comment), words_);
+    return words_;
+  }
+
+  // Converts a word to a number, which may be "nan" or "inf". Throws InputError with the line.
+  double number(std::string_view word) const {
+    double number = 0;
+    if (parseNumber(word, number)) return number;
+    fail(fmt::format("'{}' is not a number{}", word.substr(0, 40),
+                     word.find(',') == std::string_view::npos ? "" : ": write decimal points, not commas"));
+  }
+  // Throws an InputError that names file, line and keyword.
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw InputError({file_, line_}, "{}: {}", keyword_.substr(0, 40), problem);
+  }
+
+ private:
+  // Takes the next line of the text, and counts it.
+  std::string_view nextLine() {
+    ++lines_;
+    return takeLine(text_);
+  }
+
+  std::string_view text_;  // the lines that are not read yet
+  std::string file_;
+  int lines_ = 0;       // number of lines read so far
+  int line_ = 0;        // line of the statement, counted from 1
+  std::string joined_;  // the text of a statement of several lines
+  std::string_view keyword_, rest_;
+  std::vector<std::string_view> words_;
+};
+
+// Options of images, and the greatest number of values that each takes.
+struct ImageOptions {
+  std::string_view names;
+  int mostValues;
+};
+constexpr std::array<ImageOptions, 3> kImageOptions{
+    {{"-blendu -blendv -boost -texres -clamp -bm -imfchan -type -cc", 1}, {"-mm", 2}, {"-o -s -t", 3}}};
+
+// Options with their default values.
+constexpr std::array<std::string_view, 6> kDefaults{"-blendu on", "-blendv on", "-clamp off",
+                                                    "-imfchan m", "-mm 0 1",    "-bm 1"};
+
+bool isNumber(std::string_view word) {
+  return !word.empty() && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
+}
+
+// Returns the last number of a statement, as a float.
+float lastNumber(Statements& statements) {
+  const auto& words = statements.words();
+  if (words.empty()) statements.fail("has no value");
+  return static_cast<float>(statements.number(words.back()));
+}
+
+void readColor(Statements& statements, ImportedMaterial& material) {
+  const auto& words = statements.words();
+  if (words.size() != 1 && words.size() < 3) statements.fail("give three numbers (red, green, blue)");
+  material.stated = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double value = statements.number(words[words.size() == 1 ? 0 : k]);
+    material.color[k] = fraction(static_cast<float>(value), 1.0f);
+  }
+}
+
+struct ImageOption {
+  std::string text;             // the name and the values, as in kDefaults
+  std::vector<double> numbers;  // the values that are numbers
+};
+
+// Takes the values of an option from `unread`, the text after its name. An option that can take several values may have
+// fewer: a word that is no number, or the last word of the line, is then the name of the image.
+ImageOption takeValues(const Statements& statements, std::string_view name, int mostValues, std::string_view& unread) {
+  ImageOption option{std::string(name), {}};
+  for (int i = 0; i < mostValues; ++i) {
+    std::string_view textBehind = unread;
+    const std::string_view word = takeWord(textBehind);
+    if (mostValues > 1 && (!isNumber(word) || trimmed(textBehind).empty())) break;
+    if (isNumber(word)) option.numbers.push_back(statements.number(word));
+    option.text += isNumber(word) ? fmt::format(" {:g}", option.numbers.back()) : fmt::format(" {}", word);
+    unread = trimmed(textBehind);
+  }
+  return option;
+}
+
+// Reads the options and the name of an image into `map`. -s and -o set UvPlacement. Counts other options unless they
+// have their default values. Throws InputError if the name is missing.
+void readImage(const Statements& statements, ImportedMap& map, LeftOut& leftOut) {
+  std::string_view unread = statements.rest();
+  while (unread.starts_with('-')) {
+    std::string_view textBehind = unread;
+    const std::string_view name = takeWord(textBehind);
+    const auto row = std::ranges::find_if(
+        kImageOptions, [&](const ImageOptions& options) { return containsWord(options.names, name); });
+    if (row == kImageOptions.end()) break;
+    unread = trimmed(textBehind);
+    const ImageOption option = takeValues(statements, name, row->mostValues, unread);
+    const auto numberOr = [&](std::size_t index, float fallback) {
+      return index < option.numbers.size() ? static_cast<float>(option.numbers[index]) : fallback;
+    };
+    if (name == "-s") {
+      map.placement.scale = {numberOr(0, 1), numberOr(1, 1)};
+    } else if (name == "-o") {
+      map.placement.offset = {numberOr(0, 0), numberOr(1, 0)};
+    } else if (std::ranges::find(kDefaults, option.text) == kDefaults.end()) {
+      leftOut.add(fmt::format("options of images ({})", name));
+    }
+  }
+  if (unread.empty()) statements.fail("names no image");
+  map.name = std::string(unread);
+}
+
+// Reads a statement of a material. Counts statements other than those handled here in `leftOut`.
+void readKey(Statements& statements, ImportedMaterial& material, LeftOut& leftOut) {
+  const std::string_view key = statements.keyword();
+  if (key == "Kd") {
+    readColor(statements, material);
+  } else if (key == "d") {
+    material.opacity = fraction(lastNumber(statements), 1.0f);
+  } else if (key == "Tr") {
+    material.opacity = 1 - fraction(lastNumber(statements), 0.0f);
+  } else if (key == "Pr") {
+    material.roughness = fraction(lastNumber(statements), 1.0f);
+  } else if (key == "Pm") {
+    material.metallic = fraction(lastNumber(statements), 0.0f);
+  } else if (key == "map_Kd" || key == "map_kd") {
+    readImage(statements, material.base, leftOut);
+  } else if (key == "map_d" || key == "map_opacity") {
+    readImage(statements, material.opacityMap, leftOut);
+  } else {
+    leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
+  }
+}
+
+struct ObjMaterial : ImportedMaterial {
+  bool defined = false;  // false: faces name the material, but no library that was read so far defines it
+};
+
+struct Materials {
+  std::vector<ObjMaterial> list;
+  std::map<std::string, std::size_t> byName;
+  LeftOut leftOut;
+
+  // Returns the index of the material; adds a material without a colour if the name is unknown.
+  std::size_t indexOf(const std::string& name) {
+    const auto [entry, isNew] = byName.try_emplace(name, list.size());
+    if (isNew) {
+      list.emplace_back().name = name;
+      list.back().stated = false;
+    }
+    return entry->second;
+  }
+  // Must be called after all libraries are read. Counts materials that place their two images differently and, if the
+  // file has libraries and none is missing (`isComplete`), materials that faces name but no library defines.
+  void check(bool isComplete) {
+    for (const ObjMaterial& material : list) {
+      if (!material.defined && !material.name.empty())
+        leftOut.add("materials that no library defines (they have the default reflectance)", isComplete ? 1 : 0);
+      const bool hasBothImages = !material.base.name.empty() && !material.opacityMap.name.empty();
+      if (hasBothImages && material.base.placement != material.opacityMap.placement) {
+        leftOut.add("placements of map_d (-s, -o) that differ from that of map_Kd");
+      }
+    }
+  }
+};
+
+// Reads a library and adds its materials. If a name is defined twice, the first definition counts; programs differ in
+// this. Throws InputError with the line of a statement that cannot be read.
+void readMaterials(const fs::path& file, Materials& materials) {
+  const std::string text = readFile(file);
+  Statements statements(text, file);
+  ObjMaterial* material = nullptr;  // material of the statements that follow
+  bool isRepeated = false;          // true: the material was defined before, so that this definition is skipped
+  while (statements.next()) {
+    if (statements.keyword() == "newmtl") {
+      material = &materials.list[materials.indexOf(std::string(statements.rest()))];
+      isRepeated = std::exchange(material->defined, true);
+      if (isRepeated) materials.leftOut.add("further definitions of materials (the first of a name counts)");
+    } else if (kObjFormat.useOf(statements.keyword()) != FormatSupport::Use::Unused) {
+      if (material == nullptr) statements.fail("stands before the first newmtl");
+      if (!isRepeated) readKey(statements, *material, materials.leftOut);
+    }
+  }
+}
 
 class ObjReader {
  public:
@@ -55,7 +290,7 @@ class ObjReader {
       if (!part.triangles.empty()) addPart(part);
       if (!untextured.triangles.empty()) addPart(untextured);
     }
-    for (obj::ObjMaterial& material : materials_.list) imported_.materials.push_back(std::move(material));
+    for (ObjMaterial& material : materials_.list) imported_.materials.push_back(std::move(material));
     imported_.leftOut.add(materials_.leftOut);
     imported_.leftOut.add("colours of vertices", coloredVertices_);
     return std::move(imported_);
@@ -204,7 +439,7 @@ class ObjReader {
         return;
       }
     }
-    if (libraries_.insert(path).second) obj::readLibrary(path, materials_);
+    if (libraries_.insert(path).second) readMaterials(path, materials_);
   }
 
   static bool hasUvs(const std::array<Corner, 3>& triangle) {
@@ -243,7 +478,7 @@ class ObjReader {
   std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> partOf_;  // index of the part of a node and a material
   std::vector<Part> parts_;
   Part* currentPart_ = nullptr;  // part of the faces that follow; null: not looked up yet
-  obj::Materials materials_;
+  Materials materials_;
   std::set<fs::path> libraries_;  // material libraries that were read
   std::uint64_t coloredVertices_ = 0;
   Triangulator polygons_;
