@@ -176,9 +176,10 @@ class Simulator {
                       method.name, firstMethodThat(&MethodCapabilities::moving).name));
     }
     for (const MountedSensor& sensor : plan_.pipeline.sensors) {
-      if (sensor.sectors == 1) continue;
-      throw InputError(fmt::format("a scan is one turn, but '{}' makes its turn in {} sectors: give the sensor sectors=1",
-                                   sensor.name, sensor.sectors));
+      if (sensor.size.sectors == 1) continue;
+      throw InputError(
+          fmt::format("a scan is one turn, but '{}' makes its turn in {} sectors: give the sensor sectors=1",
+                      sensor.name, sensor.size.sectors));
     }
     loadScene(source_, 0, ready_);
     for (std::uint32_t i = 0; i < scene().instances.size(); ++i) {

@@ -28,7 +28,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -229,12 +228,11 @@ std::int16_t scanAngle(const Vec3d& ray, const Vec3d& forward) {
   return static_cast<std::int16_t>(std::lround(degrees(std::atan2(right, -ray.z)) / 0.006));
 }
 
-// Returns the horizontal unit vector to the front of the vehicle or, if it is unknown, of the sensor.
+// Returns the horizontal unit vector to the front of the vehicle.
 Vec3d forwardOf(const ExportScan& exportScan) {
-  const std::optional<Pose>& moved = exportScan.record->vehicleFromSensor;
-  const Pose vehicleFromSensor = (moved ? moved : exportScan.sensor->vehicleFromSensor).value_or(Pose{});
-  const Pose worldFromVehicle = exportScan.record->worldFromSensor.front() * inverse(vehicleFromSensor);
-  const Vec3d front = toMatrix(worldFromVehicle.rotation) * Vec3d{1, 0, 0};
+  const Pose vehicleFromSensor = mountOf(*exportScan.sensor, *exportScan.record);
+  const Vec3d front =
+      toMatrix((exportScan.record->worldFromSensor.front() * inverse(vehicleFromSensor)).rotation) * Vec3d{1, 0, 0};
   const double ahead = std::hypot(front.x, front.y);
   return ahead > 1e-9 ? Vec3d{front.x / ahead, front.y / ahead, 0} : Vec3d{1, 0, 0};
 }

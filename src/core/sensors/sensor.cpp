@@ -390,18 +390,14 @@ Value resolveSensor(const Value& value) {
   return merged;
 }
 
-RevolutionTime revolutionTime(const Value& description) {
-  Fields fields(description, "sensor");
-  const std::uint32_t sectors = readSectors(fields);
-  return {.period = 1 / fields.number("rate_hz", kRatesHz, 10) / sectors, .sectors = sectors};
-}
-
 SensorSize sensorSize(const Value& description) {
   const Value value = withCalibration(description);
   Fields fields(value, "sensor");
+  const std::uint32_t sectors = readSectors(fields);
+  const double period = 1 / fields.number("rate_hz", kRatesHz, 10) / sectors;
   if (fields.has("beams")) {
     const ListedSensor listed = readListedBeams(fields.path("beams"));
-    return {listed.rings, listed.columns};
+    return {listed.rings, listed.columns, period};
   }
   const Value& columnValue = fields.require("columns");
   const double columns = readCount(columnValue, "columns");
@@ -413,13 +409,12 @@ SensorSize sensorSize(const Value& description) {
                      "1 to {} rings and 1 to {} columns",
                      rings, columns, rings * columns, kMostRings, kMostColumns);
   }
-  const std::uint32_t sectors = readSectors(fields);
   const auto wholeColumns = static_cast<std::uint64_t>(columns);
   if (sectors > 1 && (wholeColumns % sectors != 0 || wholeColumns < 2 * std::uint64_t{sectors})) {
     throw InputError(fields.require("sectors").where, "sectors must divide the {} columns into two or more for each",
                      columns);
   }
-  return {static_cast<std::uint64_t>(rings), wholeColumns / sectors};
+  return {static_cast<std::uint64_t>(rings), wholeColumns / sectors, period, sectors};
 }
 
 std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
@@ -432,8 +427,9 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   Fields fields(value, "sensor");
   table->model = fields.text("model", "custom");
   table->source = fields.text("source", "");
-  table->sectors = readSectors(fields);
-  table->period = 1 / fields.number("rate_hz", kRatesHz) / table->sectors;
+  fields.require("rate_hz");
+  table->sectors = size.sectors;
+  table->period = size.period;
   const std::string pattern = fields.choice("pattern", {"spinning", "flash"}, "spinning");
   if (fields.has("beams")) {
     readListed(fields, *table);

@@ -14,15 +14,12 @@
 
 namespace scanmill {
 
-// The number of beams of a sensor file. The number is known without building the table, so that a plan with too many
+// The number of beams of a sensor file, and their time. The number is known without building the table, so that a plan with too many
 // beams is refused before memory is allocated.
 struct SensorSize {
   std::uint64_t rings = 0;
   std::uint64_t columns = 0;  // in a revolution: a turn, or one of its sectors
-};
-
-struct RevolutionTime {
-  double period = 0.1;        // s, duration of a revolution: a turn, or one of its sectors
+  double period = 0.1;        // s, duration of a revolution
   std::uint32_t sectors = 1;  // revolutions in a turn, see BeamTable::sectors
 };
 
@@ -31,10 +28,9 @@ struct RevolutionTime {
 // keeps its location in its file. Throws InputError.
 [[nodiscard]] Value resolveSensor(const Value& value);
 
-// These functions read a sensor map from resolveSensor() or from a sensor file. They throw InputError with the
+// Both functions read a sensor map from resolveSensor() or from a sensor file. They throw InputError with the
 // location, also for more than 8192 rings or 65536 columns.
 SensorSize sensorSize(const Value& description);
-RevolutionTime revolutionTime(const Value& description);
 std::shared_ptr<const BeamTable> makeBeams(const Value& description);
 
 }  // namespace scanmill

@@ -35,8 +35,8 @@ std::vector<Pose> readPoseList(const Value& value) {
   return poses;
 }
 
-const std::initializer_list<std::string_view> kKeysOfDrives = {
-    "speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep", "from", "to"};
+const std::initializer_list<std::string_view> kKeysOfDrives = {"speed", "every_m",  "acceleration", "stops", "sway",
+                                                               "path",  "rounding", "keep",         "from",  "to"};
 
 // Reads the key `stops` of a drive along a path of `length` m. Returns no stops if the key is absent.
 std::vector<DriveStop> readStops(Fields& fields, double length) {
@@ -119,19 +119,7 @@ double Trajectory::positionAt(double time) const {
 
 Pose Trajectory::poseOnPath(double position) const {
   if (recorded_) return recorded_->at(position);
-  Pose pose = path_->pose(position);
-  if (laneChanges_.empty()) return pose;
-  // The lateral offset follows the quintic 10 u^3 - 15 u^4 + 6 u^5, so that the steering angle changes smoothly.
-  double left = 0;   // m
-  double slope = 0;  // derivative of `left` by the position
-  for (const LaneChange& change : laneChanges_) {
-    const double u = std::clamp((position - change.start) / change.length, 0.0, 1.0);
-    left += change.left * u * u * u * (10 + u * (6 * u - 15));
-    slope += change.left / change.length * 30 * u * u * (1 - u) * (1 - u);
-  }
-  pose.translation = pose * Vec3d{0, left, 0};
-  pose.rotation = pose.rotation * fromYawPitchRoll(std::atan(slope), 0, 0);
-  return pose;
+  return path_->pose(position);
 }
 
 std::string Trajectory::about() const {
@@ -205,21 +193,6 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
   return placed;
 }
 
-std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& value, double length) {
-  if (value.kind != Value::Kind::Sequence) {
-    throw InputError(value.where, "lane_changes must be a list such as [{at: 80, left: 3, over: 30}]");
-  }
-  std::vector<LaneChange> changes;
-  for (const Value& item : value.items) {
-    Fields f(item, "lane change");
-    f.also({"at", "left", "over"}).finish();
-    changes.push_back({.start = f.number("at", {0, length}),
-                       .left = f.number("left", {-50, 50}),
-                       .length = f.number("over", {1, 1e4}, 30)});
-  }
-  return changes;
-}
-
 void Trajectory::readPoses(Fields& fields, double period, double limit) {
   fields.refuse(kKeysOfDrives,
                 "is for paths that are driven: the vehicle stands still in each of `poses`, which are every_s apart");
@@ -290,7 +263,6 @@ void Trajectory::readRandomDrive(Fields& fields, double limit, const Location& w
   RandomPath random{.classes = fields.texts("on"), .where = where};
   if (random.classes.empty()) throw InputError(where, "on must name classes, such as [road]");
   fields.refuse({"path", "rounding"}, "is for waypoints: a random drive chooses its own path");
-  fields.refuse({"lane_changes"}, "are for given paths: leave them out of a random drive");
   random.keep = readRoadSide(fields);
   random.length = ((limit - 1) * interval_ + lastTurn_) * speed_;
   random.perFrame = interval_ * speed_;
@@ -304,7 +276,6 @@ void Trajectory::readPathDrive(Fields& fields, double limit, const SceneLanes* l
   fields.refuse({"keep", "from", "to"}, "is for drives that have `on`, such as `on: road`");
   readPath(fields, lanes);
   const double length = path_->length();
-  if (const Value* changes = fields.find("lane_changes")) laneChanges_ = readLaneChanges(*changes, length);
   stops_ = readStops(fields, length);
   if (!stops_.empty()) setProfile();
   // A drive with every_m has as many frames with acceleration as at constant speed.

@@ -140,12 +140,6 @@ class Trajectory {
  private:
   friend Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes,
                                    std::uint64_t seed, std::uint32_t drive);
-  struct LaneChange {
-    double start;   // m along the path
-    double left;    // m, displacement to the left
-    double length;  // m along the path
-  };
-  static std::vector<LaneChange> readLaneChanges(const Value& value, double length);
   // Each of these functions reads one kind of trajectory. `period`: default time between frames (s). `limit`: the
   // largest number of frames, or infinity. readTrajectory() has set name_, lastTurn_ and groundOptions_ before.
   void readPoses(Fields& fields, double period, double limit);
@@ -177,7 +171,6 @@ class Trajectory {
   double acceleration_ = 0;  // m/s^2; 0: constant speed
   std::vector<DriveStop> stops_;
   std::optional<SpeedProfile> profile_;
-  std::vector<LaneChange> laneChanges_;
   Sway sway_;
   std::optional<GroundOptions> groundOptions_;
   std::shared_ptr<const GroundProfile> profileOfGround_;

@@ -131,16 +131,6 @@ TEST(GroundProfile, PosesKeepTheirOwnPitchAndRoll) {
   EXPECT_NEAR(between.y, expected.y, 1e-9);
 }
 
-// Lane changes are driven on the ground that is there.
-TEST(GroundProfile, IsThatBesideTheWayWhereTheLaneChanges) {
-  const Trajectory drive =
-      on("waypoints: [[0, 0, 0], [60, 0, 0]], speed: 10, lane_changes: [{at: 10, left: 4, over: 20}], ground: drop",
-         Hills(slope));
-  const Vec3d at = drive.pose(0, 5).translation;
-  EXPECT_NEAR(at.y, 4, 1e-9);
-  EXPECT_NEAR(at.z, slope(at.x, at.y), 1e-6);
-}
-
 // A road at 0 below a bridge at 6, whose deck has a joint of 0.2 m in the right lane and a hole of 3 m.
 class Bridge : public Ground {
  public:

@@ -196,9 +196,8 @@ TEST(Trajectory, ListedPosesStandStill) {
 TEST(Trajectory, AnEmptyKeyCountsAsNone) {
   for (const std::string kind : {"waypoints: [[0, 0, 0], [100, 0, 0]]\nspeed: 9\nevery_m: 1\n", "poses: [{}, {}]\n"}) {
     for (const std::string key :
-         {"name",     "poses",        "waypoints", "along",  "on",      "from",    "to",
-          "recorded", "path",         "rounding",  "keep",   "drives",  "speed",   "acceleration",
-          "stops",    "lane_changes", "sway",      "ground", "every_s", "every_m", "frames"}) {
+         {"name", "poses",  "waypoints", "along",        "on",    "from", "to",     "recorded", "path",    "rounding",
+          "keep", "drives", "speed",     "acceleration", "stops", "sway", "ground", "every_s",  "every_m", "frames"}) {
       if (kind.find(key + ":") != std::string::npos) continue;
       EXPECT_EQ(trajectoryRefusal(kind + key + ":\n"), "accepted") << kind << key;
     }
@@ -240,7 +239,6 @@ TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
                                      {driven + "stops: 3", "trip.yaml:4:"},
                                      {driven + "stops: [{at: 200}]", "trip.yaml:4:"},
                                      {driven + "stops: [{at: 20}, {at: 20.5}]", "at least 1 m apart"},
-                                     {driven + "lane_changes: [{at: 3}]", "left"},
                                      {driven + "sway: {yaw_deg: 3}", "yaw_deg"},
                                      {"{poses: [{}], acceleration: 3}", "acceleration"},
                                      {"{waypoints: [[0, 0, 0]], speed: 1}", "at least two"},
@@ -262,22 +260,6 @@ TEST(Trajectory, AcceleratesFromRestAndStops) {
   EXPECT_EQ(byWay.frames(), 29u);
   for (std::uint32_t f = 0; f < byWay.frames(); ++f) EXPECT_NEAR(byWay.pose(f, 0).translation.x, 7.0 * f, 1e-6);
   EXPECT_NEAR(byWay.frameTime(8), 60.0 / 10 + 5 - std::sqrt(4.0), 1e-3) << "4 m before the stop";
-}
-
-// By the end of it the vehicle is so far to the left, and heads as before; on the way it heads along its motion.
-TEST(Trajectory, ChangesLanes) {
-  const Trajectory t = trajectoryOf(
-      "{waypoints: [[0, 0, 0], [100, 0, 0], [200, 0, 0]], speed: 10, every_m: 0.5, "
-      "lane_changes: [{at: 40, left: 3, over: 30}, {at: 120, left: -2, over: 20}]}");
-  EXPECT_NEAR(t.pose(79, 0).translation.y, 0, 1e-9);
-  EXPECT_NEAR(t.pose(110, 0).translation.y, 1.5, 1e-9) << "half way";
-  EXPECT_NEAR(t.pose(160, 0).translation.y, 3, 1e-9);
-  EXPECT_NEAR(t.pose(300, 0).translation.y, 1, 1e-9);
-  for (std::uint32_t f = 0; f + 1 < t.frames(); ++f) {
-    const Vec3d moved = t.pose(f + 1, 0).translation - t.pose(f, 0).translation;
-    const Vec3d along = (headingAt(t.pose(f, 0)) + headingAt(t.pose(f + 1, 0))) * 0.5;
-    ASSERT_NEAR(std::atan2(moved.y, moved.x), std::atan2(along.y, along.x), 2e-3) << f;
-  }
 }
 
 // Its deviations are those asked for, it is smooth, and another seed sways otherwise.
@@ -349,8 +331,6 @@ TEST(RandomDrive, IsAsLongAsItsFramesAtItsSpeedAndKnownByItsNumber) {
   const Trajectory known = second.along({{0, 0, 0}, {30, 0, 0}, {60, 0, 0}});
   EXPECT_NEAR(known.pose(10, 0).translation.x, 40, 1e-9);
   EXPECT_THAT(trajectoryRefusal("{\"on\": [road], speed: 8}"), HasSubstr("the number of `frames`"));
-  EXPECT_THAT(trajectoryRefusal("{\"on\": [road], speed: 8, frames: 3, lane_changes: [{at: 1, left: 3}]}"),
-              HasSubstr("leave them out of a random drive"));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ PlannedSensor planSensor(const Pipeline& pipeline, std::size_t index) {
   for (const Effects* effects : pipeline.effectCases(index)) {
     for (const ChosenEffect& effect : *effects) effect->check(*beams);
   }
-  if (sensor.sectors > 1 && pipeline.output.objects) {
+  if (sensor.size.sectors > 1 && pipeline.output.objects) {
     throw InputError(sensor.description.where,
                      "boxes of objects are not listed for '{}', whose turn is made in sectors: leave out `objects` of "
                      "the output (points have their instances all the same), or `sectors`",
@@ -256,7 +256,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   std::uint64_t scanCount = 0;
   for (const MountedSensor& s : pipeline.sensors) {
     // Of all sectors together, compressed points need less than one point a beam would need uncompressed.
-    encodedPoints += s.beams() * s.revolutions * (s.sectors > 1 ? 1 : returns);
+    encodedPoints += s.beams() * s.revolutions * (s.size.sectors > 1 ? 1 : returns);
     scanCount += s.revolutions;
   }
   const std::uint64_t returnBytes = bufferBytes + 2 * pipeline.output.formats.size() * bytesPerPoint * encodedPoints;

@@ -185,29 +185,27 @@ void setSplits(const Value* splitting, Pipeline& pipeline) {
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
 }
 
-// Sets MountedSensor::period and sectors of each sensor, and Pipeline::periods: a sample has all sectors of a turn.
+// Sets MountedSensor::period of each sensor, and Pipeline::periods: a sample has all sectors of a turn.
 void readPeriods(Pipeline& pipeline) {
   pipeline.periods = {std::numeric_limits<double>::infinity(), 0};
   for (MountedSensor& sensor : pipeline.sensors) {
-    const auto [period, sectors] = revolutionTime(sensor.description);
-    sensor.period = period;
-    sensor.sectors = sectors;
-    pipeline.periods.shortest = std::min(pipeline.periods.shortest, period);
-    pipeline.periods.longest = std::max(pipeline.periods.longest, period * sectors);
+    sensor.period = sensor.size.period;
+    pipeline.periods.shortest = std::min(pipeline.periods.shortest, sensor.period);
+    pipeline.periods.longest = std::max(pipeline.periods.longest, sensor.period * sensor.size.sectors);
   }
 }
 
 // Throws InputError unless each frame of the sequence begins with a whole turn of the sensor, as its sectors need.
 void checkSectors(const MountedSensor& sensor, const Sequence& sequence) {
-  if (sensor.sectors == 1 || sequence.trajectory == nullptr) return;
+  if (sensor.size.sectors == 1 || sequence.trajectory == nullptr) return;
   const Trajectory& path = *sequence.trajectory;
-  const double turns = path.interval() / (sensor.period * sensor.sectors);
+  const double turns = path.interval() / (sensor.period * sensor.size.sectors);
   const bool equal = path.still() || path.regular() || path.frames() == 1;
   if (equal && std::abs(turns - std::round(turns)) < 1e-6) return;
   throw InputError(sensor.description.where,
                    "'{}' makes its turn of {:g} s in {} sectors, but the frames of '{}' do not begin with its turns: "
                    "leave out `every_s` and `every_m`, or give a multiple of the turn as `every_s`",
-                   sensor.name, sensor.period * sensor.sectors, sensor.sectors, path.name());
+                   sensor.name, sensor.period * sensor.size.sectors, sensor.size.sectors, path.name());
 }
 
 // Sets each sensor's greatest number of revolutions in a sample. A sample of a recording has one revolution of each

@@ -98,7 +98,6 @@ struct MountedSensor {
   SensorSize size;
   Pose vehicleFromSensor = {};
   double period = 0.1;            // s, duration of a revolution
-  std::uint32_t sectors = 1;      // revolutions in a turn, see BeamTable::sectors
   std::uint32_t revolutions = 1;  // greatest number of revolutions in one sample
   // Never null. All sensors share one list, unless the pipeline's key `effects` contains the word `sensor`.
   std::shared_ptr<const Effects> effects;

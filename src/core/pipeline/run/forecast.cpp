@@ -75,7 +75,7 @@ void addFewerColumns(const Pipeline& pipeline, double share, std::vector<std::st
     const auto columns = static_cast<std::uint64_t>(static_cast<double>(pipeline.sensors[s].size.columns) * share);
     overrides.push_back(
         fmt::format("{}.columns={}", key, std::max<std::uint64_t>({columns, 1, pipeline.motion.steps})));
-    if (pipeline.sensors[s].sectors > 1) overrides.push_back(key + ".sectors=1");
+    if (pipeline.sensors[s].size.sectors > 1) overrides.push_back(key + ".sectors=1");
   }
 }
 
@@ -147,7 +147,8 @@ void measureInSmallTown(const Pipeline& pipeline, const Reread& reread, TownClas
   const Plan small = makePlan(smallTownPipeline(pipeline, reread, classes));
   measure(small, costs);
   double beams = 0;  // of whole turns; the small town has no sectors
-  for (const MountedSensor& sensor : pipeline.sensors) beams += static_cast<double>(sensor.beams() * sensor.sectors);
+  for (const MountedSensor& sensor : pipeline.sensors)
+    beams += static_cast<double>(sensor.beams() * sensor.size.sectors);
   const double beamRatio = beams / static_cast<double>(small.pipeline.beamsPerFrame());
   costs.frameSeconds *= beamRatio;
   costs.frameBytes *= beamRatio;
