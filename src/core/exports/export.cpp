@@ -7,7 +7,6 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <ranges>
 #include <set>
 #include <utility>
 
@@ -123,7 +122,8 @@ class Export {
 
   // Sets plan_.sensors to the sensors that the user has named; if there are none, to as many as the layout allows.
   void chooseSensors() {
-    const auto names = plan_.manifest.sensors | std::views::transform(&SensorRecord::name);
+    std::vector<std::string> names;
+    for (const SensorRecord& sensor : plan_.manifest.sensors) names.push_back(sensor.name);
     for (const std::string& name : options_.sensors) {
       if (std::ranges::find(names, name) != names.end()) continue;
       refuse(plan_, "has no sensor '{}'; it has {}", name, fmt::join(names, ", "));

@@ -33,7 +33,7 @@ constexpr std::array<LayoutEntry, 6> kLayouts{{
      .summary = "nuScenes' tables, boxes, lidarseg and panoptic",
      .labels = "nuscenes",
      .make = makeNuScenes},
-    {.name = "las", .summary = "LAS 1.4, a file for each sequence (strip); all columns as extra bytes", .make = makeLas},
+    {.name = "las", .summary = "LAS 1.4, a file for each sequence; all columns as extra bytes", .make = makeLas},
     {.name = "ply", .summary = "PLY, a file for each scan, with labels and the classes' colours", .make = makePly},
     {.name = "mcap",
      .summary = "MCAP of ROS 2, a file for each sequence: PointCloud2, tf, markers of boxes",

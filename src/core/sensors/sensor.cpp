@@ -449,7 +449,7 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   table->uniformBeam = fields.choice("beam_shape", {"gaussian", "uniform"}, "gaussian") == "uniform";
   table->pulse = fields.number("pulse_ns", {0, 1e4}, 0) * 1e-9;
   fields.choice("intensity_from", {"scans", "estimate"}, "estimate");  // for `scanmill list sensors` alone
-  fields.also({"columns", "calibration", "effects"}).finish();
+  fields.also({"columns", "calibration", "effects", "sectors"}).finish();
 
   fillBeams(*table);
   return table;

@@ -14,8 +14,8 @@
 
 namespace scanmill {
 
-// The number of beams of a sensor file, and their time. The number is known without building the table, so that a plan with too many
-// beams is refused before memory is allocated.
+// The number and the time of a sensor file's beams, without building the table, so that a plan with too many beams is
+// refused before memory is allocated.
 struct SensorSize {
   std::uint64_t rings = 0;
   std::uint64_t columns = 0;  // in a revolution: a turn, or one of its sectors

@@ -57,7 +57,6 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   if (steps > beams->columns) {
     throw InputError(
         motion.where,
-
         "motion has {} steps per revolution, but the sensor {} has {} columns: give at most {}, or per_column", steps,
         beams->model, beams->columns, beams->columns);
   }

@@ -337,11 +337,11 @@ class SvgDrawing {
     std::vector<double>& barEnds = horizontal_ ? xs : ys;
     std::map<double, double> sums;  // for each name, the sum of its stacked bars
     for (const ChartSeries& s : chart_.series) {
-      for (std::size_t i = 0; i < s.points.size(); ++i) {
-        if (!isDrawn(s.points[i])) continue;
-        xs.push_back(s.points[i].x);
-        ys.push_back(s.points[i].y);
-        const auto [name, value] = swapped(s.points[i]);
+      for (const auto& point : s.points) {
+        if (!isDrawn(point)) continue;
+        xs.push_back(point.x);
+        ys.push_back(point.y);
+        const auto [name, value] = swapped(point);
         if (chart_.stacked) barEnds.push_back(sums[name] += value);
       }
     }

@@ -49,7 +49,7 @@ class UrdfReader {
 
   std::vector<std::string> linkNames() const {
     std::vector<std::string> names(links_.begin(), links_.end());
-    std::ranges::partition(names, [&](const std::string& name) { return !joints_.contains(name); });
+    std::partition(names.begin(), names.end(), [&](const std::string& name) { return !joints_.contains(name); });
     return names;
   }
 

@@ -73,7 +73,7 @@ void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Va
 // Returns a sensor's name, which becomes part of file names: the key `name` or, without the key, `fallback`. Throws
 // InputError if the name is empty, has characters that file names do not have, or is the name of an `earlier` sensor.
 std::string readSensorName(Fields& fields, const std::string& fallback, const std::vector<MountedSensor>& earlier) {
-  const std::string name = fields.text("name", fallback);
+  std::string name = fields.text("name", fallback);
   const Value* const nameValue = fields.find("name");
   if (name.empty())
     throw InputError(nameValue->where, "a sensor's name becomes part of file names, so it must not be empty");

@@ -89,8 +89,8 @@ FilledSide fillPicture(OrbitCamera& camera, const std::vector<Vec3d>& points, co
 Box boxOfMost(const std::vector<Vec3d>& points) {
   Box box{};
   for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-    std::vector<double> coordinates;
-    for (const Vec3d& p : points) coordinates.push_back(p.*axis);
+    std::vector<double> coordinates(points.size());
+    std::ranges::transform(points, coordinates.begin(), [&](const Vec3d& p) { return p.*axis; });
     box.low.*axis = quantileOf(coordinates, 0.01);
     box.high.*axis = quantileOf(std::move(coordinates), 0.99);
   }

@@ -99,6 +99,7 @@ std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<cons
       pointsOf[id].push_back(static_cast<std::uint32_t>(i));
   }
   std::vector<InstanceSummary> summaries;
+  summaries.reserve(pointsOf.size());
   for (auto& [id, points] : pointsOf) {
     summaries.push_back(summaryOf(scan, positions, id, std::move(points), levelFromPoints));
   }
