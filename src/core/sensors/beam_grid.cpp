@@ -75,10 +75,14 @@ BeamGrid::CellRange BeamGrid::cellsAround(const Vec3d& direction, double angle) 
   return cells;
 }
 
-bool BeamGrid::looksInto(const Vec3d& direction) const {
+bool BeamGrid::looksInto(const Vec3d& direction, std::uint32_t& near) const {
   const double leastCosine = std::cos(neighbourAngle_);
-  return forBeamsNear(direction, neighbourAngle_,
-                      [&](std::uint32_t beam) { return dot(directions_[beam], direction) >= leastCosine; });
+  const auto isNear = [&](std::uint32_t beam) {
+    if (dot(directions_[beam], direction) < leastCosine) return false;
+    near = beam;
+    return true;
+  };
+  return isNear(near) || forBeamsNear(direction, neighbourAngle_, isNear);
 }
 
 }  // namespace scanmill

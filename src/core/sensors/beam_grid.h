@@ -32,8 +32,9 @@ class BeamGrid {
 
   // Returns true if the sensor has beams around a direction: if the angle to the nearest beam is at most 10 degrees and
   // at most 1.5 times the usual angle between neighbouring beams. The usual angle is the 99th percentile over
-  // neighbours in rings and columns.
-  bool looksInto(const Vec3d& direction) const;
+  // neighbours in rings and columns. `near`: a beam that is tested first, then set to the beam that was found; with the
+  // one of a neighbouring direction, most answers take one test.
+  bool looksInto(const Vec3d& direction, std::uint32_t& near) const;
 
   // Returns the largest distance of a beam's origin from the sensor's origin (m).
   double farthestOrigin() const { return farthestOrigin_; }

@@ -448,7 +448,7 @@ class Sample:
         if not self.has_scan(sensor):
             raise InputError(
                 f"the sample '{self.key}' has no scan of the sensor '{name}', which turns more slowly than frames follow "
-                f"each other: skip the sample (see Sample.has_scan()) or name another sensor ({', '.join(self.sensors)})"
+                f"each other, or of whose random choice the sequence has another: skip the sample (see Sample.has_scan()) or name another sensor ({', '.join(self.sensors)})"
             )
         return next((sensor for sensor in self.sensors if sensor.lower() == name.lower()), name)
 

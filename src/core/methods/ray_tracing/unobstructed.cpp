@@ -7,14 +7,13 @@
 #include <vector>
 
 #include "methods/ray_tracing/packet.h"
-#include "methods/world/resolve.h"
 #include "scene/embree.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr double kBoxMargin = 1e-3;    // m, margin around boxes for rounding
+constexpr double kBoxMargin = 1e-3;    // m, margin of boxes and ranges for rounding
 constexpr double kAngleMargin = 1e-6;  // rad, margin of the cone around a thing for rounding
 
 // The arguments of thingFilter(), which Embree passes to the filter.
@@ -137,36 +136,50 @@ void thingFilter(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
-  const BeamTable& beams = *shot.beams;
+Unobstructed::Sight Unobstructed::sightOf(const Shot& shot, const BeamGrid& grid, const Hits* met,
+                                          std::uint32_t raysPerBeam) const {
   const std::shared_ptr<const World> world =
       worlds_.near(shot.worldFromSensor.front().translation, farthestEnd(shot, grid.farthestOrigin()), shot.time,
                    shot.duration, shot.placed);
-  const ShotFrame frame = frameOf(shot, world->origin);
+  return {shot, grid, world, frameOf(shot, world->origin), met, raysPerBeam};
+}
+
+Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Sight& sight) const {
+  const Shot& shot = sight.shot;
+  const ShotFrame& frame = sight.frame;
+  const World* const world = sight.world.get();
+  const Hits* const met = sight.met;
+  const BeamTable& beams = *shot.beams;
   const ThingExtent extent = extentOf(boxes_, thing, *world, shot);
   const Vec3d axis = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
-  const double angle = coneAngle(extent, frame, axis, grid.farthestOrigin()) + kAngleMargin;
+  const double angle = coneAngle(extent, frame, axis, sight.grid.farthestOrigin()) + kAngleMargin;
+  const double leastCosine = angle < kPi ? std::cos(angle) : -2;
 
-  ThingContext context{.world = world.get(), .instanceId = boxes_.things()[thing].id};
+  ThingContext context{.world = world, .instanceId = boxes_.things()[thing].id};
   // Returns true if the beam would hit the thing within the sensor's range.
   const auto seesThing = [&](std::uint32_t beam) {
+    if (dot(beams.direction[beam], axis) < leastCosine) return false;
     const std::uint32_t step = frame.step[beam % beams.columns];
     const Vec3d direction = frame.rotation[step] * beams.direction[beam];
     const Vec3d origin = frame.position[step] + frame.rotation[step] * beams.originOf(beam);
     const std::optional<Interval> inside = crossing(extent, origin, direction);
     if (!inside || inside->enter > beams.maxRange) return false;
+    double near = inside->enter;
+    const std::size_t ray = std::size_t{beam} * sight.raysPerBeam;
+    if (met != nullptr && met->hit(ray) && (met->pathOfRay.empty() || met->pathOfRay[ray] == RayPath::Direct)) {
+      if (met->instance[ray] == context.instanceId) return true;
+      near = std::max(near, met->range[ray] - kBoxMargin);  // up to there the beam met nothing
+      if (near > inside->leave) return false;
+    }
     const float firedAt = firingFraction(beams, beam, world->revolution.duration);
     // A surface of the thing that is nearer than the minimum range blocks this beam.
-    if (inside->enter < beams.minRange &&
-        hitsThing(context, origin, direction, inside->enter, beams.minRange, firedAt)) {
-      return false;
-    }
-    const double near = std::max(inside->enter, beams.minRange);
+    if (near < beams.minRange && hitsThing(context, origin, direction, near, beams.minRange, firedAt)) return false;
+    near = std::max(near, beams.minRange);
     const double far = std::min(inside->leave, beams.maxRange);
     return near <= far && hitsThing(context, origin, direction, near, far, firedAt);
   };
   std::vector<std::pair<double, std::uint32_t>> firings;  // firing time (s) and beam
-  grid.forBeamsNear(axis, angle, [&](std::uint32_t beam) {
+  sight.grid.forBeamsNear(axis, angle, [&](std::uint32_t beam) {
     if (seesThing(beam)) {
       firings.emplace_back(beams.time.empty() ? beams.columnTime(beam % beams.columns) : double{beams.time[beam]},
                            beam);

@@ -4,7 +4,9 @@
 // thing is measured relative to this count.
 
 #include <cstdint>
+#include <memory>
 
+#include "methods/world/resolve.h"
 #include "methods/world/worlds.h"
 #include "scene/thing_boxes.h"
 #include "sensors/beam_grid.h"
@@ -28,9 +30,21 @@ class Unobstructed {
     // `beams` beams by firing time. If `beams` is 0, the beam of the middle ring nearest to the thing's direction.
     std::uint32_t middle = 0;
   };
-  // Returns the view of a thing (an index into ThingBoxes::things()) in a shot, traced with one ray along the axis of
-  // each beam. `grid`: the grid of the shot's beams. Safe to call from several threads.
-  View viewOf(std::size_t thing, const Shot& shot, const BeamGrid& grid) const;
+  // What the views of all things in a shot share.
+  struct Sight {
+    const Shot& shot;
+    const BeamGrid& grid;  // of the shot's beams
+    std::shared_ptr<const World> world;
+    ShotFrame frame;
+    const Hits* met;            // hits of the shot in the same worlds, with the instances; null: unknown
+    std::uint32_t raysPerBeam;  // of `met`; the first ray of each beam is its axis
+  };
+  // `met`: see Sight. A beam that met the thing sees it, and one that met something behind the thing's box does not;
+  // only the others are traced. All arguments must outlive the result.
+  Sight sightOf(const Shot& shot, const BeamGrid& grid, const Hits* met = nullptr, std::uint32_t raysPerBeam = 1) const;
+  // Returns the view of a thing (an index into ThingBoxes::things()), traced with one ray along the axis of each beam.
+  // Safe to call from several threads.
+  View viewOf(std::size_t thing, const Sight& sight) const;
 
  private:
   const Worlds& worlds_;

@@ -109,7 +109,10 @@ Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownC
   }
   const double share = std::min(kMostBeams / static_cast<double>(pipeline.beamsPerFrame()),
                                 kMostRays / static_cast<double>(pipeline.raysPerFrame()));
-  if (share < 1) addFewerColumns(pipeline, share, overrides);
+  const auto inSectors = [](const MountedSensor& sensor) { return sensor.size.sectors > 1; };
+  if (share < 1 || std::ranges::any_of(pipeline.sensors, inSectors)) {
+    addFewerColumns(pipeline, std::min(share, 1.0), overrides);  // one sector's columns as a turn
+  }
   return reread(overrides);
 }
 

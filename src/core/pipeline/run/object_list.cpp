@@ -45,6 +45,7 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
   const Vec3d sensor = inverse(sensorFromBox).translation;
   double totalAngle = 0;
   double outsideAngle = 0;
+  std::uint32_t nearBeam = 0;
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     const double sign = sensor.*axis > 0 ? 1 : -1;
     // Distance (m) from the sensor to the plane of the face that is on the sensor's side of the box. The sensor sees
@@ -63,7 +64,7 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
       const double distance = length(inSensor);
       const double angle = cellArea * faceDistance / (distance * distance * distance);
       totalAngle += angle;
-      if (distance > maxRange || !grid.looksInto(inSensor * (1 / distance))) outsideAngle += angle;
+      if (distance > maxRange || !grid.looksInto(inSensor * (1 / distance), nearBeam)) outsideAngle += angle;
     }
   }
   return totalAngle > 0 ? outsideAngle / totalAngle : 0;
@@ -103,13 +104,15 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
   const std::shared_ptr<const BeamGrid> grid = objects_.gridOf(shot.beams);
   const double reach = shot.beams->maxRange + grid->farthestOrigin();
   const std::unordered_map<std::uint32_t, ThingHits> hitThings = hitsByThing(hits, returns, raysPerBeam);
+  const Unobstructed::Sight sight =
+      objects_.unobstructed().sightOf(shot, *grid, objects_.memoryBytes() == 0 ? &hits : nullptr, raysPerBeam);
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     if (const auto* placement = objects_.boxes().placement(i, placed_.get()); placement && placement->hidden) continue;
     const auto thingHits = hitThings.find(objects_.boxes().things()[i].id);
     const Vec3d sensor = inverse(boxes_[i].worldFromBox) * shot.worldFromSensor.front().translation;
     const Box extent{boxes_[i].size * -0.5, boxes_[i].size * 0.5};
     if (thingHits == hitThings.end() && extent.distanceTo(sensor) > reach) continue;
-    const Unobstructed::View unoccluded = objects_.unobstructed().viewOf(i, shot, *grid);
+    const Unobstructed::View unoccluded = objects_.unobstructed().viewOf(i, sight);
     ObjectView view;
     view.sensor = shot.sensorName;
     // The view's time is the firing time of the middle beam among those that would hit the thing without occlusion.

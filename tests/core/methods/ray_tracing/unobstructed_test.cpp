@@ -9,13 +9,23 @@ namespace scanmill {
 namespace {
 
 struct Counter {
-  explicit Counter(const Scene& scene)
-      : boxes(scene), worlds(scene, Instancing::Auto, {.occlusionFilter = thingFilter}), unobstructed(worlds, boxes) {}
+  explicit Counter(const Scene& counted)
+      : method(rayTracing(counted)),
+        boxes(counted),
+        worlds(counted, Instancing::Auto, {.occlusionFilter = thingFilter}),
+        unobstructed(worlds, boxes) {}
 
   std::uint32_t beamsOn(std::size_t thing, const Shot& shot) const {
-    return unobstructed.viewOf(thing, shot, BeamGrid(*shot.beams)).beams;
+    const BeamGrid grid(*shot.beams);
+    const std::uint32_t beams = unobstructed.viewOf(thing, unobstructed.sightOf(shot, grid)).beams;
+    // What the beams met spares rays, and changes nothing but beams that graze an edge.
+    Hits met;
+    method->trace(shot, Channels(Channel::Range) | Channel::Instance, met);
+    EXPECT_NEAR(unobstructed.viewOf(thing, unobstructed.sightOf(shot, grid, &met)).beams, beams, 1 + beams / 500);
+    return beams;
   }
 
+  std::unique_ptr<Method> method;
   ThingBoxes boxes;
   Worlds worlds;
   Unobstructed unobstructed;
