@@ -75,7 +75,7 @@ struct DraftOptions {
 struct Draft {
   std::string yaml;
   std::vector<GuessedFile> files;
-  bool onePlace = false;  // true: the files are parts of one place and keep their coordinates
+  bool onePlace = false;            // true: the files are parts of one place and keep their coordinates
   std::vector<Concept> concepts{};  // the concepts that `files` point to
 };
 
