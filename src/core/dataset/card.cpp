@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <ranges>
 #include <utility>
 
 #include "base/short_text.h"
@@ -34,11 +33,19 @@ std::string aboutText(const Manifest& manifest, const std::string& key, const st
   return entry == manifest.about.end() ? defaultText : entry->second;
 }
 
+// Returns the texts of all records.
+template <class Record, class TextOf>
+std::vector<std::string> textsOf(const std::vector<Record>& records, const TextOf& textOf) {
+  std::vector<std::string> texts(records.size());
+  std::ranges::transform(records, texts.begin(), textOf);
+  return texts;
+}
+
 std::string summaryOf(const Manifest& manifest, const ScanTotals& totals) {
   const auto modelOf = [](const SensorRecord& sensor) { return sensor.beams.model; };
   return fmt::format("{} samples of simulated LiDAR scans ({}) with {} points, each labelled with its class and object",
-                     grouped(manifest.samples.size()),
-                     fmt::join(manifest.sensors | std::views::transform(modelOf), ", "), grouped(totals.points));
+                     grouped(manifest.samples.size()), fmt::join(textsOf(manifest.sensors, modelOf), ", "),
+                     grouped(totals.points));
 }
 
 std::string splitTable(const Manifest& manifest) {
@@ -128,8 +135,7 @@ std::string intensityText(const Manifest& manifest) {
   const auto scaleOf = [](const SensorRecord& sensor) {
     return fmt::format("{:g} ({})", sensor.intensityFullScale, cell(sensor.name));
   };
-  return fmt::format(" Full scale of the intensity: {}.",
-                     fmt::join(manifest.sensors | std::views::transform(scaleOf), ", "));
+  return fmt::format(" Full scale of the intensity: {}.", fmt::join(textsOf(manifest.sensors, scaleOf), ", "));
 }
 
 // Returns true if any sample has a member whose name has this suffix.
@@ -144,7 +150,7 @@ std::string membersText(const Manifest& manifest) {
   return fmt::format(
       "The shards are tar files. A sample consists of the members whose names begin with its key: a scan for each "
       "sensor (`.{}`), and `.json` with the sample's description{}.",
-      fmt::join(manifest.formats | std::views::transform(&FormatRecord::suffix), "`, `."),
+      fmt::join(textsOf(manifest.formats, &FormatRecord::suffix), "`, `."),
       hasMembers(manifest, kObjectsSuffix) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
 }
 

@@ -45,7 +45,7 @@ TEST(BeamGrid, LooksAtFewOthers) {
 }
 
 TEST(BeamGrid, KnowsTheField) {
-  std::uint32_t near = 0;  // whatever is tested first changes no answer
+  std::uint32_t near = 0;                    // whatever is tested first changes no answer
   const auto beams = presetBeams("vlp_16");  // 15 degrees up and down, a gap of 2 between rings
   const BeamGrid grid(*beams);
   for (double azimuth = 0; azimuth < 6.28; azimuth += 0.1) {

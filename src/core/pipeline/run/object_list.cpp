@@ -56,10 +56,11 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
     const auto third = axis == &Vec3d::z ? &Vec3d::y : &Vec3d::z;
     const double cellArea = size.*second * size.*third / (kCells * kCells);
     for (int i = 0; i < kCells * kCells; ++i) {
+      const int row = i / kCells;
       Vec3d point;
       point.*axis = sign * size.*axis / 2;
       point.*second = ((i % kCells + 0.5) / kCells - 0.5) * size.*second;
-      point.*third = ((i / kCells + 0.5) / kCells - 0.5) * size.*third;
+      point.*third = ((row + 0.5) / kCells - 0.5) * size.*third;
       const Vec3d inSensor = sensorFromBox * point;
       const double distance = length(inSensor);
       const double angle = cellArea * faceDistance / (distance * distance * distance);
@@ -85,9 +86,9 @@ std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const
     const std::scoped_lock lock(mutex_);
     if (const Grid* const cached = grids_.find(isOfBeams)) return cached->grid;
   }
-  const Grid grid{beams, std::make_shared<const BeamGrid>(*beams)};
+  auto made = std::make_shared<const BeamGrid>(*beams);
   const std::scoped_lock lock(mutex_);  // another thread may have added the same grid meanwhile
-  return grids_.findOrAdd(isOfBeams, kMostGrids, [&] { return grid; }).grid;
+  return grids_.findOrAdd(isOfBeams, kMostGrids, [&] { return Grid{beams, std::move(made)}; }).grid;
 }
 
 ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time,
