@@ -163,6 +163,9 @@ def main():
                                     "SCANMILL_RESOURCES": str(Path(folder) / "resources")}
         assets = ROOT.parent / "shared" / "data"
         environment.setdefault("SCANMILL_ASSETS", str(assets))
+        for models in ("aws_warehouse", "husky"):
+            (here / models).symlink_to(assets / "scenes" / models)
+        environment |= {"GAZEBO_MODEL_PATH": "aws_warehouse/models", "ROS_PACKAGE_PATH": "husky"}
         found = jobs(text)
         commands = [job for job in found if isinstance(job, str)]
         fixtures(here, "\n".join(commands) + "\n", lambda command: run(command, here, environment))
@@ -171,7 +174,7 @@ def main():
             if not isinstance(job, str):
                 (here / job[0]).write_text(job[1])
                 continue
-            if re.search("kenney_city|recorded_place", job) and not (Path(environment["SCANMILL_ASSETS"]) / "scenes").is_dir():
+            if re.search("kenney_city|recorded_place|warehouse|husky|out/robot|robot.yaml", job) and not (Path(environment["SCANMILL_ASSETS"]) / "scenes").is_dir():
                 print(f"left out, its files are absent: {job}")
                 continue
             run(job.replace("/shared/", "shared/"), here, environment)
