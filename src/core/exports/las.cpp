@@ -271,7 +271,8 @@ class Strip {
     std::string bytes;
     for (std::size_t i = 0; i < scan.size(); ++i) {
       if (!isFinite(scan.position[i])) continue;
-      const Vec3d position = positions.inWorld(i);
+      const Pose worldFromPoint = positions.poseOf(i);
+      const Vec3d position = worldFromPoint * Vec3d(scan.position[i]);
       putPosition(plan_, sample, exportScan, position, points_, bytes);
       const float intensity = unitIntensity(exportScan, i);
       putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
@@ -282,7 +283,7 @@ class Strip {
       putNumber(static_cast<std::uint8_t>(kSynthetic | (isNoise ? kWithheld : 0)), bytes);
       putNumber(static_cast<std::uint8_t>(isNoise && label == 0 ? noiseClass_ : label), bytes);
       putNumber(std::uint8_t{0}, bytes);  // user data
-      putNumber(scanAngle(position - positions.poseOf(i).translation, forward), bytes);
+      putNumber(scanAngle(position - worldFromPoint.translation, forward), bytes);
       putNumber(number_, bytes);
       putNumber(exportScan.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
       visitTable(scan, [&](auto key, const auto& values) {

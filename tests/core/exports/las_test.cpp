@@ -64,7 +64,7 @@ class LasLayout : public ExportWorld {
  protected:
   LasLayout() : ExportWorld(makeLas()) {}
 
-  // What Python finds in the file of the first sequence's first sensor.
+  // Returns what Python finds in the file of the first sequence's first sensor.
   std::string las(const std::string& code) const {
     return python(kLasReader + "las = Las(folder / 'train/street-s1-lane.top.las')\n" + code);
   }
@@ -236,7 +236,7 @@ TEST_F(LasLayout, ReturnsAreTheColumnsOrAreCounted) {
       "assert set(las.extra) == {'ring', 'column'}\n");
 }
 
-// What comes from no surface is withheld, as noise; other classes are told beside the dataset's own.
+// The layout withholds points that come from no surface, as noise, and keeps the dataset's own classes beside others.
 TEST_F(LasLayout, FalsePositivesAreWithheldAsNoise) {
   use("asprs");
   ExportSample sample = this->sample(0, 0);

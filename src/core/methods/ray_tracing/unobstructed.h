@@ -30,7 +30,7 @@ class Unobstructed {
     // `beams` beams by firing time. If `beams` is 0, the beam of the middle ring nearest to the thing's direction.
     std::uint32_t middle = 0;
   };
-  // What the views of all things in a shot share.
+  // The views of all things in a shot share these values.
   struct Sight {
     const Shot& shot;
     const BeamGrid& grid;  // of the shot's beams

@@ -255,7 +255,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   std::uint64_t encodedPoints = 0;
   std::uint64_t scanCount = 0;
   for (const MountedSensor& s : pipeline.sensors) {
-    // Of all sectors together, compressed points need less than one point a beam would need uncompressed.
+    // The compressed points of all sectors need fewer bytes than one uncompressed point a beam.
     encodedPoints += s.beams() * s.revolutions * (s.size.sectors > 1 ? 1 : returns);
     scanCount += s.revolutions;
   }

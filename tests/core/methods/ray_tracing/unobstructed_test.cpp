@@ -18,7 +18,7 @@ struct Counter {
   std::uint32_t beamsOn(std::size_t thing, const Shot& shot) const {
     const BeamGrid grid(*shot.beams);
     const std::uint32_t beams = unobstructed.viewOf(thing, unobstructed.sightOf(shot, grid)).beams;
-    // What the beams met spares rays, and changes nothing but beams that graze an edge.
+    // Known hits spare rays, and change nothing but beams that graze an edge.
     Hits met;
     method->trace(shot, Channels(Channel::Range) | Channel::Instance, met);
     EXPECT_NEAR(unobstructed.viewOf(thing, unobstructed.sightOf(shot, grid, &met)).beams, beams, 1 + beams / 500);

@@ -108,7 +108,7 @@ TEST_F(Patterns, OfAllMethodsAgree) {
   }
 }
 
-// Of two places of a tripod: what the sectors of a sample see, together, is what a turn sees at once.
+// The sectors of a sample together see what a turn sees at once, at each of two places of a tripod.
 TEST_F(Patterns, SectorsOfASampleAreItsTurn) {
   const std::string places = "trajectories=[{name: tripod, poses: [{}, {position: [4, 3, 0], yaw_deg: 40}]}]";
   const std::string keys = "columns: 120, elevation_deg: {top: 60, bottom: -60, rings: 40}";
