@@ -1,5 +1,5 @@
-// Prints what a scan costs beside what Embree alone takes for its rays: for one town of the quickstart, and for
-// truck_town if SCANMILL_ASSETS names its assets. Both run on one thread; times are processor time.
+// Prints what a scan of a town of the quickstart costs beside what Embree alone takes for its rays, on one thread, as
+// processor time.
 //   bench_default [FRAMES]     frames of the town, 12 unless given
 
 #include <fmt/core.h>
@@ -197,11 +197,6 @@ int run(int frames) {
   const ThreadLimit one(1);
   const std::string count = fmt::format("{}", frames);
   measure("quickstart", {"scenes.0.seeds=[2]", "splits=null", "trajectories.1.frames=" + count, "trajectories.0=null"});
-  try {
-    measure("truck_town", {});
-  } catch (const Error& failure) {
-    fmt::print("truck_town is left out: {}\n", failure.what());
-  }
   return 0;
 }
 

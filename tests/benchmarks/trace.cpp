@@ -116,55 +116,5 @@ void footprintAgainstBeams(benchmark::State& state) {
 }
 BENCHMARK(footprintAgainstBeams)->Arg(7)->Arg(19)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(10);
 
-void setUp(benchmark::State& state) {
-  const Shot shot = shotAt(spinning(1, 1, 0, 0));
-  Hits hits;
-  for (auto _ : state) rayTracing(scene())->trace(shot, Channel::Range, hits);
-  state.counters["triangles"] = static_cast<double>(scene().placedTriangles());
-}
-BENCHMARK(setUp)->Unit(benchmark::kMillisecond)->UseRealTime()->MinTime(2);
-
-// Objects that the caller places for each shot: a scan of 64 x 2048 beams in which all 350 spheres are placed anew,
-// over one in which the scene places them, and over the set-up of the scene, which is what moving one object cost
-// otherwise.
-void placedObjects(benchmark::State& state) {
-  Scene placeable = bigScene();
-  placeable.placeable = true;
-  const auto beams = spinning(64, 2048, -24.8, 2, 120);
-  const Shot still = shotAt(beams);
-  Hits hits;
-  std::unique_ptr<Method> method;
-  const auto trace = [&](const Shot& shot) { method->trace(shot, Channels::all(), hits); };
-  const double built = secondsOf([&] {
-    method = rayTracing(placeable);
-    trace(still);
-  });
-  double number = 0;
-  const auto placedShot = [&] {
-    Shot shot = still;
-    auto placed = std::make_shared<Placements>(0.0);
-    ++number;
-    for (std::uint32_t i = 1; i < placeable.instances.size(); ++i) {
-      Affine moved = placeable.instances[i].worldFromMesh;
-      moved.translation.x += 0.01 * number;
-      placed->set(i, {.worldFromMesh = moved});
-    }
-    shot.placed = std::move(placed);
-    trace(shot);
-  };
-  placedShot();
-  std::vector<double> withPlaced;
-  std::vector<double> without;
-  for (auto _ : state) {
-    const double seconds = median(secondsOfEach(5, placedShot));
-    withPlaced.push_back(seconds);
-    state.SetIterationTime(seconds);
-    without.push_back(median(secondsOfEach(5, [&] { trace(still); })));
-  }
-  state.counters["of_scene_places"] = median(withPlaced) / median(without);
-  state.counters["of_set_up"] = median(withPlaced) / built;
-}
-BENCHMARK(placedObjects)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(10);
-
 }  // namespace
 }  // namespace scanmill

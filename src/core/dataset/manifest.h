@@ -142,6 +142,8 @@ struct Manifest {
   bool organised = false;
   bool deskewed = false;
   std::vector<std::string> columns;  // columns of every scan
+  // Ids of the classes whose objects the samples list; empty if they list the objects of all classes, or none.
+  std::vector<std::uint16_t> objectClasses = {};
   std::vector<FormatRecord> formats;
   Ontology ontology;
   std::vector<SensorRecord> sensors;

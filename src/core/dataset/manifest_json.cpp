@@ -202,6 +202,7 @@ static void describe(RecordKeys& keys, Manifest& m) {
     scans("organised", m.organised);
     scans("deskewed", m.deskewed);
     scans("columns", m.columns);
+    scans.optional("object_classes", m.objectClasses);
   });
   keys("formats", m.formats);
   keys("ontology", m.ontology);

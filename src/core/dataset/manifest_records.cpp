@@ -78,6 +78,7 @@ static void describe(RecordKeys& keys, SemanticClass& semantic) {
   keys("name", semantic.name);
   keys("color", semantic.color);
   keys("thing", semantic.thing);
+  keys.optionalIf(semantic.roadUser, "road_user", semantic.roadUser);
   keys.optional("aliases", semantic.aliases);
 }
 

@@ -9,6 +9,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <cmath>
 #include <initializer_list>
 
 #include "base/vec.h"
@@ -31,6 +32,14 @@ inline EmbreeContext newEmbreeContext() {
   rtcInitIntersectContext(&context);
 #endif
   return context;
+}
+
+// Returns a component of a direction for Embree; tiny components become 0. Embree 3.13 treats components with absolute
+// values below 1e-18 as positive when it divides by them, but not when it tests their sign: with -4e-19 in one lane,
+// all rays of a coherent packet missed surfaces that they should have hit.
+inline float nonTiny(double direction) {
+  constexpr double kAlongAnAxis = 1e-12;
+  return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
 // Returns a query for hits at distances from `near` to `far` (m) along a ray. `time`: 0 to 1, for moving instances.
@@ -99,15 +108,16 @@ inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* v
 #endif
 }
 
-// Sets the ray's far end to minus infinity if the ray hits anything; as in intersectOne(), rejected hits do not count.
-inline void occludeOne(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
+// Sets the far ends of those of sixteen coherent rays that hit anything to minus infinity; as in intersectOne(),
+// rejected hits do not count. `valid` is as for intersectPacket().
+inline void occludePacket(RTCScene scene, EmbreeContext& context, const int* valid, RTCRay16& rays) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.context = &context;
-  rtcOccluded1(scene, &ray, &arguments);
+  rtcOccluded16(valid, scene, &rays, &arguments);
 #else
-  rtcOccluded1(scene, &context, &ray);
+  rtcOccluded16(valid, scene, &context, &rays);
 #endif
 }
 

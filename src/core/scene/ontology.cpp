@@ -36,7 +36,9 @@ SemanticClass readClass(const Value& value) {
                   .name = fields.text("name"),
                   .color = readColor(fields.require("color")),
                   .thing = fields.boolean("thing", false),
-                  .aliases = fields.texts("aliases")};
+                  .aliases = fields.texts("aliases"),
+                  .movingOf = {},
+                  .roadUser = fields.boolean("road_user", false)};
   fields.also({"moving_of"}).finish();
   if (c.name.empty()) throw InputError(value.where, "a class has an empty name");
   return c;

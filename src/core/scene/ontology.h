@@ -25,6 +25,7 @@ struct SemanticClass {
   bool thing = false;                       // true: its objects can be counted and get instance ids
   std::vector<std::string> aliases;         // names that scenes may use for this class
   std::optional<std::uint16_t> movingOf{};  // for a class of moving objects: the class of the same objects at rest
+  bool roadUser = false;                    // true: a person, an animal or a vehicle, whose boxes detectors learn
 };
 
 // The classes of a dataset. Class 0 is always "unlabeled".

@@ -212,10 +212,12 @@ class ThingBoxes::Builder {
   std::map<std::uint32_t, std::vector<std::vector<std::uint32_t>>> triangles_;
 };
 
-ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
+ThingBoxes::ThingBoxes(const Scene& scene, const std::vector<std::uint16_t>& classes) : scene_(scene) {
   Builder builder(scene);
   for (auto& [id, parts] : builder.partsOfThings()) {
-    things_.push_back(builder.thingOf(id, parts));
+    Thing thing = builder.thingOf(id, parts);
+    if (!classes.empty() && std::ranges::find(classes, thing.semantic) == classes.end()) continue;
+    things_.push_back(std::move(thing));
     const Pose worldFromThing = builder.worldFromThing(things_.back(), parts);
     for (Part& part : parts) builder.addBoxes(worldFromThing, part);
     shapes_.push_back({worldFromThing, std::move(parts)});

@@ -43,7 +43,8 @@ struct Thing {
 // differently. If a thing consists of several objects, the object with the most triangles gives the axes.
 class ThingBoxes {
  public:
-  explicit ThingBoxes(const Scene& scene);
+  // `classes`: the ids of the classes whose things are meant; empty: all classes.
+  explicit ThingBoxes(const Scene& scene, const std::vector<std::uint16_t>& classes = {});
 
   // Returns the things in ascending order of their ids.
   const std::vector<Thing>& things() const { return things_; }

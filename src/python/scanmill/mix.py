@@ -134,7 +134,8 @@ class PasteInstances:
 
     Chooses at random up to `most` instances of the `classes` that have at least `min_points` points, and whose box,
     seen from above, overlaps no box of the first sample. The samples must therefore have the boxes of all classes with
-    which instances may collide. Points of the first scan inside of pasted boxes are removed.
+    which instances may collide (`output: {objects: {classes: all}}`). Points of the first scan inside of pasted boxes
+    are removed.
 
     If `hide` is true, and the samples have ring and column and the same `sensor`, only the nearest of the two scans
     remains in each beam: pasted points behind points of the first scan are removed, and so are points of the first scan

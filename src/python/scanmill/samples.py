@@ -113,7 +113,15 @@ class SampleReader:
         wanted = objects.points >= self.min_points
         labels = None
         if not isinstance(self.boxes, bool):
-            labels = _indices_of(self.boxes, sample.dataset.ontology)[objects.class_ids]
+            table = _indices_of(self.boxes, sample.dataset.ontology)
+            listed = (sample.dataset.manifest or {}).get("scans", {}).get("object_classes")
+            missing = [] if listed is None else [self.boxes[i] for i in np.unique(np.delete(table, listed)) if i >= 0]
+            if missing:
+                raise InputError(
+                    f"{sample.dataset.path} does not list objects of the class {missing[0]!r}: generate it with "
+                    "`output: {objects: {classes: all}}`"
+                )
+            labels = table[objects.class_ids]
             wanted &= labels >= 0
         objects = objects.select(wanted)
         out = {

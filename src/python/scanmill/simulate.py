@@ -177,7 +177,7 @@ class Scene:
         poses: Mapping[str, Optional[Pose]] | None = None,
         velocities: Mapping[str, ArrayLike] | None = None,
         pose_times: ArrayLike | None = None,
-        boxes: bool = False,
+        boxes: bool | str | Sequence[str] = False,
         vehicle: Path | Mapping[str, Any] | None = None,
     ) -> Scan | list[Scan]:
         """Scans one revolution of a sensor and returns a Scan. If `sensor` is a list, returns a list of Scans in its
@@ -201,7 +201,8 @@ class Scene:
                    revolution, a point at the distance d from its origin is off its arc by up to d * a * a / 8. With
                    velocities or several poses of the vehicle, the scene's own objects move during the revolution too
         pose_times (n,) s after `time`, ascending, from 0 or less to the end of the revolution or more
-        boxes      True: `scan.objects` has the boxes and visibility of the objects within the sensor's range (Objects)
+        boxes      True: `scan.objects` has the boxes and visibility of the road users within the sensor's range
+                   (Objects); "all": of all objects; a list: of the objects of these classes
         vehicle    the scene file of the vehicle that carries the sensors, "vehicle" for the program's own, or a map as
                    in pipelines: its surfaces block beams, and give returns with the cause 5 (column `cause`)
 
@@ -211,7 +212,7 @@ class Scene:
         Raises InputError for errors in the arguments and in the scene's file.
         """
         single = isinstance(sensor, (str, Mapping))
-        pipeline = self._pipeline(sensor, method, effects, columns, seed, organised, {"objects": boxes}, vehicle)
+        pipeline = self._pipeline(sensor, method, effects, columns, seed, organised, _objects_key(boxes), vehicle)
         scans = self._run(pipeline, pose, time, frame, poses, velocities, pose_times)
         for scan in scans:
             _require_columns(scan, columns)
@@ -392,6 +393,11 @@ def _require_columns(scan: Scan, columns: Sequence[str] | None) -> None:
             continue
         hint = ": give it effects, such as ['intensity']" if name == "intensity" else advice(name, scan.names)
         raise InputError(f"the scan has no column '{name}'{hint}")
+
+
+def _objects_key(boxes: bool | str | Sequence[str]) -> dict[str, Any]:
+    """Returns the key `objects` of a pipeline's `output`."""
+    return {"objects": boxes if isinstance(boxes, bool) else {"classes": boxes}}
 
 
 def _placements(

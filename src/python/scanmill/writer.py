@@ -15,7 +15,7 @@ from ._core import InputError
 from .dataset import Dataset, Path, open_dataset
 from .geometry import Pose
 from .scan import Scan
-from .simulate import Effects, Method, Scene, Sensor
+from .simulate import Effects, Method, Scene, Sensor, _objects_key
 
 
 class DatasetWriter:
@@ -42,7 +42,7 @@ class DatasetWriter:
         columns: Sequence[str] | None = None,
         seed: int = 1,
         organised: bool = False,
-        boxes: bool = False,
+        boxes: bool | str | Sequence[str] = False,
         vehicle: Path | Mapping[str, Any] | None = None,
         output: Mapping[str, Any] | None = None,
         shard_samples: int = 100,
@@ -63,7 +63,7 @@ class DatasetWriter:
             raise InputError("shard_samples must be at least 1")
         self.out = os.path.abspath(out)
         self._single = isinstance(sensor, (str, Mapping))
-        keys = {**(output or {}), "objects": boxes}
+        keys = {**(output or {}), **_objects_key(boxes)}
         self._settings = (sensor, method, effects, columns, seed, organised, keys, vehicle, name)
         self._lock = threading.Lock()
         self._writer: _core.DatasetWriter | None = _core.DatasetWriter(self.out, overwrite, resume, shard_samples)

@@ -10,14 +10,6 @@ namespace scanmill {
 
 namespace {
 
-// Returns a component of a direction for Embree; tiny components become 0. Embree 3.13 treats components with absolute
-// values below 1e-18 as positive when it divides by them, but not when it tests their sign: with -4e-19 in one lane,
-// all rays of a coherent packet missed surfaces that they should have hit.
-float nonTiny(double direction) {
-  constexpr double kAlongAnAxis = 1e-12;
-  return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
-}
-
 // Returns the length (m) to which a ray is traced if hits beyond `blockedBeyond` (m) do not matter; at most `far`. The
 // margin exceeds the difference between the range that follows from a triangle's plane and the traced range.
 float endOf(float blockedBeyond, float far) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,7 +22,8 @@ constexpr double kAngleMargin = 1e-6;  // rad, margin of the cone around a thing
 struct ThingContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
-  std::uint32_t instanceId;  // instance id of the thing
+  const TriangleBlock* block;  // what is traced; null: all of the world
+  std::uint32_t id;            // of the thing: its instance id in the world, its number in `block`
 };
 
 // A box that contains a thing during the complete revolution, in the box's own axes.
@@ -107,13 +110,68 @@ std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
   return nearest;
 }
 
-// Returns true if a surface of the context's thing is between the distances `near` and `far` (m) along a ray, which
-// starts at `origin` (m, relative to the world's origin). `firedAt`: see HitTriangle::firedAt.
-bool hitsThing(ThingContext& context, const Vec3d& origin, const Vec3d& direction, double near, double far,
-               float firedAt) {
-  RTCRay ray = newRay(origin, direction, static_cast<float>(near), static_cast<float>(far), firedAt).ray;
-  occludeOne(context.world->embree.get(), context.embree, ray);
-  return ray.tfar < 0;
+// A part of a beam's path that a thing may cross. Origin and direction are relative to the world's origin.
+struct Stretch {
+  std::uint32_t beam;
+  Vec3d origin, direction;
+  double near, far;  // m
+  double leave;      // m, where the ray leaves the thing's box, or the sensor's range
+};
+
+// Returns for up to sixteen stretches, as bits, whether the context's thing crosses them. `placed`: where the context's
+// block is; null: all of the world is traced.
+std::uint32_t crossed(ThingContext& context, const PlacedBlock* placed, const BeamTable& beams,
+                      std::span<const Stretch> stretches) {
+  Affine meshFromOrigin;
+  if (placed != nullptr) meshFromOrigin = inverse(placed->originFromMesh);
+  RTCRay16 rays;
+  alignas(64) int valid[kPacket];
+  for (std::size_t i = 0; i < kPacket; ++i) {
+    valid[i] = i < stretches.size() ? -1 : 0;
+    const Stretch& s = stretches[valid[i] != 0 ? i : 0];
+    rays.time[i] = firingFraction(beams, s.beam, context.world->revolution.duration);
+    if (placed != nullptr && placed->moves) meshFromOrigin = inverse(placed->at(double{rays.time[i]}));
+    const Vec3d origin = placed == nullptr ? s.origin : meshFromOrigin * s.origin;
+    const Vec3d direction = placed == nullptr ? s.direction : meshFromOrigin.linear * s.direction;
+    rays.org_x[i] = static_cast<float>(origin.x);
+    rays.org_y[i] = static_cast<float>(origin.y);
+    rays.org_z[i] = static_cast<float>(origin.z);
+    rays.dir_x[i] = nonTiny(direction.x);
+    rays.dir_y[i] = nonTiny(direction.y);
+    rays.dir_z[i] = nonTiny(direction.z);
+    rays.tnear[i] = static_cast<float>(s.near);
+    rays.tfar[i] = static_cast<float>(s.far);
+    rays.mask[i] = ~0u;
+    rays.id[i] = static_cast<unsigned>(i);
+    rays.flags[i] = 0;
+  }
+  occludePacket(placed == nullptr ? context.world->embree.get() : placed->hierarchy, context.embree, valid, rays);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < stretches.size(); ++i) bits |= rays.tfar[i] < 0 ? 1u << i : 0;
+  return bits;
+}
+
+// Keeps the stretches that a thing crosses if `crosses` is true, else those that it does not cross. `blocks`: the
+// thing's blocks, each with the thing's number in it; empty: all of the world is traced for the instance `id`.
+void keep(bool crosses, std::uint32_t id, const std::vector<Unobstructed::NumberedBlock>& blocks, const World& world,
+          const BeamTable& beams, std::vector<Stretch>& stretches) {
+  std::size_t kept = 0;
+  for (std::size_t first = 0; first < stretches.size(); first += kPacket) {
+    const std::span packet(&stretches[first], std::min<std::size_t>(kPacket, stretches.size() - first));
+    std::uint32_t bits = 0;
+    if (blocks.empty()) {
+      ThingContext context{.world = &world, .block = nullptr, .id = id};
+      bits = crossed(context, nullptr, beams, packet);
+    }
+    for (const auto& [placed, number] : blocks) {
+      ThingContext context{.world = &world, .block = placed->block, .id = number};
+      bits |= crossed(context, placed, beams, packet);
+    }
+    for (std::size_t i = 0; i < packet.size(); ++i) {
+      if (((bits >> i & 1) != 0) == crosses) stretches[kept++] = packet[i];
+    }
+  }
+  stretches.resize(kept);
 }
 
 }  // namespace
@@ -121,18 +179,26 @@ bool hitsThing(ThingContext& context, const Vec3d& origin, const Vec3d& directio
 // Rejects hits on all surfaces except the thing's, and hits on the thing at points that alpha cuts out.
 void thingFilter(const RTCFilterFunctionNArguments* arguments) {
   const auto& context = *reinterpret_cast<const ThingContext*>(arguments->context);
-  const World& world = *context.world;
   RTCHitN* const hits = arguments->hit;
   const unsigned n = arguments->N;
   for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
     const unsigned geometry = RTCHitN_geomID(hits, n, i);
-    const HitTriangle hit = hitTriangle(world, RTCHitN_instID(hits, n, i, 0), geometry, RTCHitN_primID(hits, n, i));
+    const unsigned primitive = RTCHitN_primID(hits, n, i);
+    HitTriangle hit{.block = context.block};
+    std::uint32_t id = 0;
+    if (context.block != nullptr) {
+      hit.index = context.block->indexOf(geometry, primitive);
+      id = context.block->surfaceOf(hit.index).instance;
+    } else {
+      hit = hitTriangle(*context.world, RTCHitN_instID(hits, n, i, 0), geometry, primitive);
+      id = instanceOf(hit);
+    }
     const bool isAlphaTested = geometry == 1;  // see TriangleBlock
     const bool isTransparent =
-        isAlphaTested &&
-        transparentAt(world, *hit.block, hit.index, double{RTCHitN_u(hits, n, i)}, double{RTCHitN_v(hits, n, i)});
-    if (instanceOf(hit) != context.instanceId || isTransparent) arguments->valid[i] = 0;
+        isAlphaTested && transparentAt(*context.world, *hit.block, hit.index, double{RTCHitN_u(hits, n, i)},
+                                       double{RTCHitN_v(hits, n, i)});
+    if (id != context.id || isTransparent) arguments->valid[i] = 0;
   }
 }
 
@@ -141,7 +207,16 @@ Unobstructed::Sight Unobstructed::sightOf(const Shot& shot, const BeamGrid& grid
   const std::shared_ptr<const World> world =
       worlds_.near(shot.worldFromSensor.front().translation, farthestEnd(shot, grid.farthestOrigin()), shot.time,
                    shot.duration, shot.placed);
-  return {shot, grid, world, frameOf(shot, world->origin), met, raysPerBeam};
+  Sight sight{shot, grid, world, frameOf(shot, world->origin), met, raysPerBeam, {}};
+  if (!world->baked.triangles.empty()) return sight;
+  for (const PlacedBlock& placed : world->placed) {
+    std::set<std::uint32_t> numbers;
+    for (const HitSurface& surface : placed.block->surfaces) {
+      if (surface.instance != 0) numbers.insert(surface.instance);
+    }
+    for (const std::uint32_t n : numbers) sight.blocks[instanceId(placed.firstInstanceId, n)].push_back({&placed, n});
+  }
+  return sight;
 }
 
 Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Sight& sight) const {
@@ -155,37 +230,49 @@ Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Sight& sight) c
   const double angle = coneAngle(extent, frame, axis, sight.grid.farthestOrigin()) + kAngleMargin;
   const double leastCosine = angle < kPi ? std::cos(angle) : -2;
 
-  ThingContext context{.world = world, .instanceId = boxes_.things()[thing].id};
-  // Returns true if the beam would hit the thing within the sensor's range.
-  const auto seesThing = [&](std::uint32_t beam) {
-    if (dot(beams.direction[beam], axis) < leastCosine) return false;
+  const std::uint32_t id = boxes_.things()[thing].id;
+  std::vector<std::pair<double, std::uint32_t>> firings;  // firing time (s) and beam, of beams that see the thing
+  const auto see = [&](std::uint32_t beam) {
+    firings.emplace_back(beams.time.empty() ? beams.columnTime(beam % beams.columns) : double{beams.time[beam]}, beam);
+  };
+  std::vector<Stretch> near;  // up to the minimum range, where a surface of the thing would block the beam
+  std::vector<Stretch> far;
+  sight.grid.forBeamsNear(axis, angle, [&](std::uint32_t beam) {
+    constexpr bool kContinue = false;  // with the next beam
+    if (dot(beams.direction[beam], axis) < leastCosine) return kContinue;
     const std::uint32_t step = frame.step[beam % beams.columns];
     const Vec3d direction = frame.rotation[step] * beams.direction[beam];
     const Vec3d origin = frame.position[step] + frame.rotation[step] * beams.originOf(beam);
-    const std::optional<Interval> inside = crossing(extent, origin, direction);
-    if (!inside || inside->enter > beams.maxRange) return false;
-    double near = inside->enter;
+    std::optional<Interval> inside = crossing(extent, origin, direction);
+    if (!inside || inside->enter > beams.maxRange) return kContinue;
     const std::size_t ray = std::size_t{beam} * sight.raysPerBeam;
     if (met != nullptr && met->hit(ray) && (met->pathOfRay.empty() || met->pathOfRay[ray] == RayPath::Direct)) {
-      if (met->instance[ray] == context.instanceId) return true;
-      near = std::max(near, met->range[ray] - kBoxMargin);  // up to there the beam met nothing
-      if (near > inside->leave) return false;
+      if (met->instance[ray] == id) {
+        see(beam);
+        return kContinue;
+      }
+      inside->enter = std::max(inside->enter, met->range[ray] - kBoxMargin);  // up to there the beam met nothing
+      if (inside->enter > inside->leave) return kContinue;
     }
-    const float firedAt = firingFraction(beams, beam, world->revolution.duration);
-    // A surface of the thing that is nearer than the minimum range blocks this beam.
-    if (near < beams.minRange && hitsThing(context, origin, direction, near, beams.minRange, firedAt)) return false;
-    near = std::max(near, beams.minRange);
-    const double far = std::min(inside->leave, beams.maxRange);
-    return near <= far && hitsThing(context, origin, direction, near, far, firedAt);
-  };
-  std::vector<std::pair<double, std::uint32_t>> firings;  // firing time (s) and beam
-  sight.grid.forBeamsNear(axis, angle, [&](std::uint32_t beam) {
-    if (seesThing(beam)) {
-      firings.emplace_back(beams.time.empty() ? beams.columnTime(beam % beams.columns) : double{beams.time[beam]},
-                           beam);
+    const double leave = std::min(inside->leave, beams.maxRange);
+    if (leave < std::max(inside->enter, beams.minRange)) return kContinue;
+    if (inside->enter < beams.minRange) {
+      near.push_back({beam, origin, direction, inside->enter, beams.minRange, leave});
+    } else {
+      far.push_back({beam, origin, direction, inside->enter, leave, leave});
     }
-    return false;  // continue with the next beam
+    return kContinue;
   });
+  const auto found = sight.blocks.find(id);
+  const std::vector<NumberedBlock> blocks = found == sight.blocks.end() ? std::vector<NumberedBlock>() : found->second;
+  keep(false, id, blocks, *world, beams, near);
+  for (Stretch& s : near) {
+    s.near = beams.minRange;
+    s.far = s.leave;
+  }
+  far.insert(far.end(), near.begin(), near.end());
+  keep(true, id, blocks, *world, beams, far);
+  for (const Stretch& s : far) see(s.beam);
   if (firings.empty()) return {0, nearestBeam(beams, axis)};
   const auto middle = firings.begin() + static_cast<std::ptrdiff_t>(firings.size() / 2);
   std::nth_element(firings.begin(), middle, firings.end());

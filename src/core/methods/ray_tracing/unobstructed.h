@@ -5,6 +5,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "methods/world/resolve.h"
 #include "methods/world/worlds.h"
@@ -30,6 +33,8 @@ class Unobstructed {
     // `beams` beams by firing time. If `beams` is 0, the beam of the middle ring nearest to the thing's direction.
     std::uint32_t middle = 0;
   };
+  // A placed block of a thing's triangles, and the thing's number in it (HitSurface::instance).
+  using NumberedBlock = std::pair<const PlacedBlock*, std::uint32_t>;
   // The views of all things in a shot share these values.
   struct Sight {
     const Shot& shot;
@@ -38,6 +43,8 @@ class Unobstructed {
     ShotFrame frame;
     const Hits* met;            // hits of the shot in the same worlds, with the instances; null: unknown
     std::uint32_t raysPerBeam;  // of `met`; the first ray of each beam is its axis
+    // The blocks of each thing, by its instance id; empty if the world has baked triangles, whose things have no block.
+    std::unordered_map<std::uint32_t, std::vector<NumberedBlock>> blocks;
   };
   // `met`: see Sight. A beam that met the thing sees it, and one that met something behind the thing's box does not;
   // only the others are traced. All arguments must outlive the result.

@@ -123,6 +123,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
     const SharedMeshes::Part& part = shared.part(parts[i]);
     PlacedBlock& placed = world->placed[i];
     placed.block = part.block.get();
+    placed.hierarchy = part.hierarchy.get();
     const unsigned id = World::kFirstPlaced + static_cast<unsigned>(i);
     if (placed.moves) {
       attachInstance(device, world->embree.get(), part.hierarchy.get(), {placed.originFromMesh, placed.atEnd}, id);

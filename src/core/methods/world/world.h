@@ -25,6 +25,7 @@ struct PlacedBlock {
   bool moves = false;
   Affine atEnd = {};  // originFromMesh of a moving mesh at the end of the revolution; interpolated linearly, as in
                       // Embree
+  RTCSceneTy* hierarchy = nullptr;  // of the block, in the mesh's axes
 
   // Returns originFromMesh at a fraction of the revolution, 0 to 1.
   Affine at(double fraction) const;

@@ -86,6 +86,13 @@ ModelledItem egoMotion(const Pipeline& pipeline) {
   return {kTopic, fmt::format("{} poses per revolution", pipeline.motion.steps)};
 }
 
+ModelledItem objects(const std::optional<ListedObjects>& listed) {
+  if (!listed) return leftOut("objects", "(`output.objects: true` lists the boxes and visibility of road users)");
+  const std::string classes = listed->classes.empty() ? "road users (`objects: {classes: all}` adds all other things)"
+                                                      : fmt::format("{}", fmt::join(listed->classes, ", "));
+  return {"objects", "boxes and visibility of " + (listed->all ? "all things" : classes)};
+}
+
 ModelledItem voxels(const Pipeline& pipeline) {
   if (!pipeline.output.voxels) {
     return leftOut("voxels", "(`output.voxels: true` adds labelled voxel grids around the sensors)");
@@ -179,10 +186,7 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
   if (pipeline.recording == nullptr) items.push_back(egoVehicle(pipeline, blockedShares));
   items.push_back(misses(pipeline.output.layout));
   if (pipeline.recording == nullptr) {
-    items.push_back(
-        pipeline.output.objects
-            ? ModelledItem{"objects", "boxes, and visibility by one more ray for each beam that crosses a box"}
-            : leftOut("objects", "(`output.objects: true` lists their boxes and visibility)"));
+    items.push_back(objects(pipeline.output.objects));
     items.push_back(voxels(pipeline));
   }
   if (!columns.has(kRangeTrue)) {

@@ -56,6 +56,20 @@ std::optional<VoxelGrid> readVoxels(const Value& value) {
   return readBool(value, "output: voxels") ? std::optional(VoxelGrid()) : std::nullopt;
 }
 
+// Reads true (road users), false (none) or {classes: all or a list}.
+std::optional<ListedObjects> readObjects(const Value& value) {
+  if (value.kind != Value::Kind::Map) {
+    return readBool(value, "output: objects") ? std::optional(ListedObjects{.where = value.where}) : std::nullopt;
+  }
+  Fields fields(value, "output: objects");
+  ListedObjects listed{.where = fields.require("classes").where};
+  listed.classes = fields.texts("classes");
+  fields.finish();
+  listed.all = listed.classes == std::vector<std::string>{"all"};
+  if (listed.all) listed.classes.clear();
+  return listed;
+}
+
 ColumnSet readColumns(const Value& list) {
   if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "columns must be a list of names");
   ColumnSet columns;
@@ -79,7 +93,7 @@ Output readOutput(const Value& value) {
       .finish();
   output.layout.organised = fields.choice("layout", {"dense", "organised"}, "dense") == "organised";
   output.layout.reasons = fields.boolean("reasons", false);
-  output.objects = fields.boolean("objects", false);
+  if (const Value* objects = fields.find("objects")) output.objects = readObjects(*objects);
   if (const Value* voxels = fields.find("voxels")) output.voxels = readVoxels(*voxels);
   if (const Value* list = fields.find("columns")) output.layout.columns = readColumns(*list);
   std::set<std::string> suffixes;

@@ -122,11 +122,18 @@ struct ShardOptions {
 };
 
 // The contents and formats of samples, and their distribution over shards.
+// The objects that the samples list, with their boxes (dataset/objects.h).
+struct ListedObjects {
+  bool all = false;  // all objects; false: those of `classes`, or if it is empty, of the classes of road users
+  std::vector<std::string> classes = {};
+  Location where = {};
+};
+
 struct Output {
   ScanLayout layout;
   std::vector<ChosenFormat> formats;
-  std::optional<VoxelGrid> voxels;  // voxel grid around each sensor, see dataset/voxels.h; nothing: no voxels
-  bool objects = false;             // samples contain a list of the objects near their sensors, see dataset/objects.h
+  std::optional<VoxelGrid> voxels;       // voxel grid around each sensor, see dataset/voxels.h; nothing: no voxels
+  std::optional<ListedObjects> objects;  // nothing: no lists of objects
   ShardOptions shards;
 };
 

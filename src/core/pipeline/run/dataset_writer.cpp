@@ -160,6 +160,7 @@ void DatasetWriter::add(const ShotSource& source, const Sequence& sequence, Made
   addItems(made.scene->modelled, part.manifest.modelled);
   addFiles(made.scene->files, part.manifest.files);
   part.manifest.ontology = made.scene->ontology;
+  part.manifest.objectClasses = made.scene->objectClasses;
   part.numbers.push_back(number);
   part.placed.push_back(placed_);
   account_ += made.account;

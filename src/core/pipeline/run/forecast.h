@@ -2,7 +2,7 @@
 
 // Forecasts how long a dataset takes to make and how large it becomes, without loading its scenes. For this, a few
 // samples of a small town are made on this machine, with the pipeline's sensors, method, effects and formats, and their
-// costs are scaled to the pipeline's scenes. tests/benchmarks/forecast.cpp compares forecasts with complete datasets.
+// costs are scaled to the pipeline's scenes. `generate` prints its forecast beside the actual figures.
 
 #include <cstdint>
 #include <functional>

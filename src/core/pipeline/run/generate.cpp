@@ -153,6 +153,7 @@ class DatasetRun {
       addItems(made->scene->modelled, part.modelled);
       addFiles(made->scene->files, part.files);
       part.ontology = made->scene->ontology;
+      part.objectClasses = made->scene->objectClasses;
       const std::scoped_lock lock(mutex_);
       expectOneVersion(made->scene->files);
     }
@@ -287,6 +288,7 @@ class DatasetRun {
   // Adds a shard that this process has made, or has found complete, to the summary.
   void count(const Manifest& part) {
     summary_.manifest.ontology = part.ontology;
+    summary_.manifest.objectClasses = part.objectClasses;
     summary_.samples += part.samples.size();
     const ScanTotals totals = totalsOf(part);
     summary_.beams += totals.beams;

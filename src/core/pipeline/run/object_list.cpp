@@ -71,10 +71,22 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
   return totalAngle > 0 ? outsideAngle / totalAngle : 0;
 }
 
+// Returns the ids of the classes whose objects are listed; empty: all. Without classes of road users, as in an ontology
+// of rooms, all objects are listed.
+std::vector<std::uint16_t> listedClasses(const ListedObjects& listed, const Ontology& ontology) {
+  if (listed.all || !listed.classes.empty()) return classIds(ontology, listed.classes, listed.where);
+  std::vector<std::uint16_t> ids;
+  for (const SemanticClass& c : ontology.classes) {
+    if (c.roadUser) ids.push_back(c.id);
+  }
+  return ids;
+}
+
 }  // namespace
 
-SceneObjects::SceneObjects(const Scene& scene, const Method& method)
-    : boxes_(scene),
+SceneObjects::SceneObjects(const Scene& scene, const Method& method, const ListedObjects& listed)
+    : classes_(listedClasses(listed, scene.ontology)),
+      boxes_(scene, classes_),
       own_(method.worlds() != nullptr ? nullptr
                                       : std::make_unique<const Worlds>(
                                             scene, Instancing::Auto, HierarchyOptions{.occlusionFilter = thingFilter})),

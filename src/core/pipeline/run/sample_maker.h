@@ -44,10 +44,14 @@ namespace scanmill {
 class SceneObjects {
  public:
   // Visibility is tested in the ray-tracing hierarchies (Worlds) of the method; if the method has none, this object
-  // builds its own. Scene and method must outlive this object.
-  SceneObjects(const Scene& scene, const Method& method);
+  // builds its own. Scene and method must outlive this object. Throws InputError if `listed` names a class that the
+  // scene's ontology does not have.
+  SceneObjects(const Scene& scene, const Method& method, const ListedObjects& listed);
 
+  // Returns the boxes of the objects that are listed.
   const ThingBoxes& boxes() const { return boxes_; }
+  // Returns the ids of the classes of these objects; empty: all.
+  const std::vector<std::uint16_t>& classes() const { return classes_; }
   const Unobstructed& unobstructed() const { return unobstructed_; }
   // Returns the size (bytes) of the hierarchies that this object has built; 0 if it uses the method's hierarchies.
   std::uint64_t memoryBytes() const { return own_ == nullptr ? 0 : own_->memoryBytes(); }
@@ -59,6 +63,7 @@ class SceneObjects {
     std::shared_ptr<const BeamGrid> grid;
   };
 
+  std::vector<std::uint16_t> classes_;
   ThingBoxes boxes_;
   std::unique_ptr<const Worlds> own_;  // null: the method's Worlds are used
   Unobstructed unobstructed_;
@@ -94,7 +99,8 @@ class ObjectList {
 struct SceneFacts {
   std::vector<ModelledItem> modelled;  // see modelledOf()
   Ontology ontology;
-  std::vector<FileRecord> files;  // files that the scene was read from
+  std::vector<std::uint16_t> objectClasses;  // see Manifest
+  std::vector<FileRecord> files;             // files that the scene was read from
 };
 
 // A loaded scene and the method that traces it.

@@ -124,14 +124,16 @@ std::uint64_t loadScene(ShotSource& source, std::size_t sequence, ReadyScene& re
     files = recordsOf(read, plan.pipeline.file.parent_path());
   }
   ready.method = source.method(ready.scene);
-  if (plan.pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
+  const std::optional<ListedObjects>& listed = plan.pipeline.output.objects;
+  if (listed) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method, *listed);
   if (plan.pipeline.output.voxels) ready.voxels = std::make_unique<SceneVoxels>(ready.scene);
   const std::uint64_t bytes = ready.method->memoryBytes() +
                               (ready.objects == nullptr ? 0 : ready.objects->memoryBytes()) +
                               (ready.voxels == nullptr ? 0 : ready.voxels->memoryBytes());
   plan.checkMemory(bytes, "the scene of " + loaded.key());
   ready.facts = std::make_shared<const SceneFacts>(
-      SceneFacts{modelledOf(plan, loaded, ready.scene, *ready.method), ready.scene.ontology, std::move(files)});
+      SceneFacts{modelledOf(plan, loaded, ready.scene, *ready.method), ready.scene.ontology,
+                 ready.objects == nullptr ? std::vector<std::uint16_t>() : ready.objects->classes(), std::move(files)});
   return bytes;
 }
 

@@ -6,7 +6,6 @@
 #include "base/short_text.h"
 #include "config/resources.h"
 #include "config/text.h"
-#include "exports/class_map.h"
 #include "viewer/window/scene_view.h"
 
 namespace scanmill {
@@ -149,13 +148,12 @@ Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   return canvasFromWorld * toAffine(worldFromBox);
 }
 
-// Sets `roadUsers_`: the ontology's classes that KITTI's object benchmark also has.
+// Sets `roadUsers_`: the ontology's classes of road users.
 void SceneView::findRoadUsers() {
   const Ontology* const ontology = context_.source->ontology();
   if (ontology == nullptr) return;
-  const ClassMap kitti(*ontology, readOntology(namedResource("kitti", "labels")));
   for (const SemanticClass& c : ontology->classes) {
-    if (kitti.targetId(c.id) != 0) roadUsers_.insert(c.id);
+    if (c.roadUser) roadUsers_.insert(c.id);
   }
 }
 

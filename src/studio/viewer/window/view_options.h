@@ -22,8 +22,8 @@ enum class ViewLayout {
   Split,    // views side by side with the same camera; they show different scans, or one scan in different colours
 };
 
-// The objects whose boxes are drawn. Road users are objects of the classes in KITTI's object benchmark
-// (labels/kitti.yaml), or all objects if the ontology has no such class.
+// The objects whose boxes are drawn. Road users are objects of the classes that the ontology marks
+// with `road_user`, or all objects if it marks none.
 enum class BoxChoice { RoadUsers, All, None };
 constexpr std::array<std::string_view, 3> kBoxChoiceNames{"road_users", "all", "none"};
 

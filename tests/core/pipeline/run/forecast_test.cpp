@@ -1,5 +1,4 @@
-// Forecasts against what is made. Sizes follow from the pipeline alone; times are held against facts in
-// tests/benchmarks/forecast.cpp.
+// Forecasts against what is made. Sizes follow from the pipeline alone; generate prints times beside facts.
 
 #include "pipeline/run/forecast.h"
 

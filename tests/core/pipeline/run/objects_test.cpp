@@ -94,6 +94,26 @@ TEST_F(ObjectsRun, WhatIsHiddenIsListedAndHalfIsHalf) {
   EXPECT_EQ(readManifest(out()).samples[0].objects->at(car), (ObjectCount{2, 1}));
 }
 
+TEST_F(ObjectsRun, ListRoadUsersUnlessOtherClassesAreNamed) {
+  stand(box("car", "position: [8, 5, 0.75]") +
+        "  - {name: bench, primitive: box, size: [2, 1, 1], class: object, material: wood, position: [8, -5, 0.5]}\n");
+  const auto names = [&](const std::string& key, const std::string& folder) {
+    const Manifest manifest = sound({key, kFine}, folder);
+    const std::uint16_t bench = manifest.ontology.require("object", {}).id;
+    const auto& classes = manifest.objectClasses;
+    std::vector<std::string> listed;
+    const SampleObjects sample = lists(folder).at(0);
+    for (const ObjectRecord& object : sample.objects) listed.push_back(object.name);
+    EXPECT_EQ(classes.empty() || std::ranges::find(classes, bench) != classes.end(),
+              std::ranges::find(listed, "bench") != listed.end());
+    return listed;
+  };
+  EXPECT_THAT(names(kAsked, "asked"), testing::ElementsAre("car"));
+  EXPECT_THAT(names("output.objects={classes: all}", "all"), testing::ElementsAre("car", "bench"));
+  EXPECT_THAT(names("output.objects={classes: [other-object]}", "bench"), testing::ElementsAre("bench"));
+  expectInputError([&] { sound({"output.objects={classes: [bench]}", kFine}, "no"); }, {"--set", "no class 'bench'"});
+}
+
 // Points lie on the box, in the frame that they are given in, while sensor and thing move.
 TEST_F(ObjectsRun, BoxesFitThePointsOfWhatMoves) {
   stand(box("ahead", "position: [8, 5, 0.75], moving: {velocity: [5, 0, 0]}") +

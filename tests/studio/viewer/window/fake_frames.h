@@ -35,7 +35,7 @@ inline Ontology fakeOntology() {
   ontology.classes = {{0, "unlabeled", {0, 0, 0}, false, {}},
                       {kFakeRoad, "road", kFakeRoadColor, false, {}},
                       {kFakeTree, "tree", kFakeTreeColor, false, {}},
-                      {kFakeCar, "car", kFakeCarColor, true, {}}};
+                      {kFakeCar, "car", kFakeCarColor, true, {}, {}, true}};
   return ontology;
 }
 
