@@ -195,15 +195,9 @@ class ShardCheck {
   // Compares the numbers of the scan's points on each object with objects_. Reports the first difference.
   void checkObjectPoints(const std::string& name, const Scan& scan, const std::string& sensor) {
     if (scan[kInstance].empty()) return;
-    const std::vector<std::uint16_t>& listed = manifest_.objectClasses;  // empty: all
-    std::map<std::uint32_t, std::uint64_t> pointsOfObject;               // numbers of points, by instance id
-    std::map<std::uint32_t, std::uint64_t> pointsOfOthers;               // those with a class that is not listed
+    std::map<std::uint32_t, std::uint64_t> pointsOfObject;  // numbers of points, by instance id
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      const std::uint32_t id = scan[kInstance][i];
-      if (id == 0 || !isFinite(scan.position[i])) continue;
-      ++pointsOfObject[id];
-      if (listed.empty() || scan[kLabel].empty()) continue;
-      pointsOfOthers[id] += std::ranges::find(listed, scan[kLabel][i]) == listed.end() ? 1 : 0;
+      if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) ++pointsOfObject[scan[kInstance][i]];
     }
     for (const ObjectRecord& object : objects_->objects) {
       const auto view = std::ranges::find(object.views, sensor, &ObjectView::sensor);
@@ -216,10 +210,8 @@ class ShardCheck {
       }
       pointsOfObject.erase(object.id);
     }
-    // The class of an object is that of most of its triangles, which some of its points need not have.
-    std::erase_if(pointsOfObject,
-                  [&](const auto& object) { return pointsOfOthers[object.first] * 2 >= object.second; });
-    if (pointsOfObject.empty() || (!listed.empty() && scan[kLabel].empty())) return;
+    // Whether an object's class is listed cannot be told from its points, which may have several classes.
+    if (pointsOfObject.empty() || !manifest_.objectClasses.empty()) return;
     problem("{}: has points of the object {}, which is not in {}", name, pointsOfObject.begin()->first,
             objectsMember(objects_->key));
   }

@@ -63,17 +63,30 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
+// Returns the ontology of a pipeline that has no recording.
+Ontology ontologyOf(const Pipeline& pipeline) {
+  return pipeline.ontology.empty() ? readSceneOntology(pipeline.sequences.front().sceneFile)
+                                   : readOntology(pipeline.ontology);
+}
+
 // True if the scans have labels from an ontology with separate classes for moving objects.
 bool tellsMovingClasses(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr || !pipeline.output.layout.columns.has(kLabel)) return false;
-  const Ontology ontology = pipeline.ontology.empty() ? readSceneOntology(pipeline.sequences.front().sceneFile)
-                                                      : readOntology(pipeline.ontology);
+  const Ontology ontology = ontologyOf(pipeline);
   return std::ranges::any_of(ontology.classes, [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
-// Throws InputError if the output needs what recordings lack: boxes or motions of objects, or geometry that no beam
-// hit.
+// Throws InputError if a class whose objects are to be listed is unknown or has no objects, or if the output needs what
+// recordings lack: boxes or motions of objects, or geometry that no beam hit.
 void checkObjects(const Pipeline& pipeline) {
+  if (pipeline.output.objects && pipeline.recording == nullptr) {
+    const ListedObjects& listed = *pipeline.output.objects;
+    const Ontology ontology = ontologyOf(pipeline);
+    for (const std::string& name : listed.classes) {
+      if (ontology.require(name, listed.where).thing) continue;
+      throw InputError(listed.where, "the class '{}' has no objects, since it is not marked with `thing`", name);
+    }
+  }
   if (pipeline.recording == nullptr) return;
   const auto refuseMissing = [&](std::string_view missing, const std::string& key) {
     refuse(pipeline, fmt::format("a recording does not have {}: leave {} out, or trace the scene again", missing, key));

@@ -59,12 +59,16 @@ std::optional<VoxelGrid> readVoxels(const Value& value) {
 // Reads true (road users), false (none) or {classes: all or a list}.
 std::optional<ListedObjects> readObjects(const Value& value) {
   if (value.kind != Value::Kind::Map) {
-    return readBool(value, "output: objects") ? std::optional(ListedObjects{.where = value.where}) : std::nullopt;
+    if (value.kind != Value::Kind::Scalar || (value.text != "true" && value.text != "false")) {
+      throw InputError(value.where, "objects must be true, false or {{classes: all}}, or a list in place of `all`");
+    }
+    return value.text == "true" ? std::optional(ListedObjects{.where = value.where}) : std::nullopt;
   }
   Fields fields(value, "output: objects");
   ListedObjects listed{.where = fields.require("classes").where};
   listed.classes = fields.texts("classes");
   fields.finish();
+  if (listed.classes.empty()) throw InputError(listed.where, "classes is empty: name some, or `all`");
   listed.all = listed.classes == std::vector<std::string>{"all"};
   if (listed.all) listed.classes.clear();
   return listed;
