@@ -88,8 +88,9 @@ ModelledItem egoMotion(const Pipeline& pipeline) {
 
 ModelledItem objects(const std::optional<ListedObjects>& listed) {
   if (!listed) return leftOut("objects", "(`output.objects: true` lists the boxes and visibility of road users)");
-  const std::string classes = listed->classes.empty() ? "road users, or of all things if no class is one (`objects: {classes: all}` lists all)"
-                                                      : fmt::format("{}", fmt::join(listed->classes, ", "));
+  const std::string classes =
+      listed->classes.empty() ? "road users, or of all things if no class is one (`objects: {classes: all}` lists all)"
+                              : fmt::format("{}", fmt::join(listed->classes, ", "));
   return {"objects", "boxes and visibility of " + (listed->all ? "all things" : classes)};
 }
 
