@@ -108,8 +108,8 @@ inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* v
 #endif
 }
 
-// Sets the far ends of those of sixteen rays that hit anything to minus infinity; as in intersectOne(), rejected hits do
-// not count. `valid` is as for intersectPacket(). With the flag for coherent rays Embree 3.13 did not return.
+// Sets the far ends of those of sixteen rays that hit anything to minus infinity; as in intersectOne(), rejected hits
+// do not count. `valid` is as for intersectPacket(). With the flag for coherent rays Embree 3.13 did not return.
 inline void occludePacket(RTCScene scene, EmbreeContext& context, const int* valid, RTCRay16& rays) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCOccludedArguments arguments;
