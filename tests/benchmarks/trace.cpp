@@ -5,11 +5,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
 #include "base/random.h"
 #include "sense/sense.h"
 #include "sensors/footprint.h"

@@ -55,6 +55,8 @@ class Writer(unittest.TestCase):
         }
         other = scanmill.generate(pipeline, self.out.with_name("generated"), quiet=True)
         self.assertEqual(dataset.keys, other.keys)
+        with self.assertRaisesRegex(scanmill.InputError, "does not list objects of the class 'tree'"):
+            scanmill.SampleReader(boxes=["tree"])(dataset[0])
         self.assertEqual(digests(self.out), digests(other.path))
         self.assertEqual(scanmill.verify(dataset, quiet=True), [])
 

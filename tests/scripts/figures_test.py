@@ -13,7 +13,9 @@ class Figures(unittest.TestCase):
         measured = {name: figure for figure, name in re.findall(FIGURE, (ROOT / "docs/performance.md").read_text())}
         self.assertGreater(len(measured), 10)
         for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
-            for figure, name in re.findall(FIGURE, page.read_text()):
+            quoted = re.findall(FIGURE, page.read_text())
+            self.assertEqual(len(quoted), len(re.findall(r"<!--\w+-->", page.read_text())), page.name)
+            for figure, name in quoted:
                 self.assertEqual(figure, measured.get(name), f"{page.name}: {name}")
 
 

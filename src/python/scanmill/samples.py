@@ -113,15 +113,15 @@ class SampleReader:
         wanted = objects.points >= self.min_points
         labels = None
         if not isinstance(self.boxes, bool):
-            table = _indices_of(self.boxes, sample.dataset.ontology)
+            ontology = sample.dataset.ontology
+            labels = _indices_of(self.boxes, ontology)[objects.class_ids]
             listed = (sample.dataset.manifest or {}).get("scans", {}).get("object_classes")
-            missing = [] if listed is None else [self.boxes[i] for i in np.unique(np.delete(table, listed)) if i >= 0]
-            if missing:
-                raise InputError(
-                    f"{sample.dataset.path} does not list objects of the class {missing[0]!r}: generate it with "
-                    "`output: {objects: {classes: all}}`"
-                )
-            labels = table[objects.class_ids]
+            for name in self.boxes:
+                if listed is not None and ontology is not None and ontology.id_of(name) not in listed:
+                    raise InputError(
+                        f"{sample.dataset.path} does not list objects of the class {name!r}: generate it with "
+                        "`output: {objects: {classes: all}}`"
+                    )
             wanted &= labels >= 0
         objects = objects.select(wanted)
         out = {

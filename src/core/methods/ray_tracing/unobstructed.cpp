@@ -222,10 +222,9 @@ Unobstructed::Sight Unobstructed::sightOf(const Shot& shot, const BeamGrid& grid
 Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Sight& sight) const {
   const Shot& shot = sight.shot;
   const ShotFrame& frame = sight.frame;
-  const World* const world = sight.world.get();
   const Hits* const met = sight.met;
   const BeamTable& beams = *shot.beams;
-  const ThingExtent extent = extentOf(boxes_, thing, *world, shot);
+  const ThingExtent extent = extentOf(boxes_, thing, *sight.world, shot);
   const Vec3d axis = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
   const double angle = coneAngle(extent, frame, axis, sight.grid.farthestOrigin()) + kAngleMargin;
   const double leastCosine = angle < kPi ? std::cos(angle) : -2;
@@ -263,15 +262,16 @@ Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Sight& sight) c
     }
     return kContinue;
   });
+  const std::vector<NumberedBlock> none;
   const auto found = sight.blocks.find(id);
-  const std::vector<NumberedBlock> blocks = found == sight.blocks.end() ? std::vector<NumberedBlock>() : found->second;
-  keep(false, id, blocks, *world, beams, near);
+  const std::vector<NumberedBlock>& blocks = found == sight.blocks.end() ? none : found->second;
+  keep(false, id, blocks, *sight.world, beams, near);
   for (Stretch& s : near) {
     s.near = beams.minRange;
     s.far = s.leave;
   }
   far.insert(far.end(), near.begin(), near.end());
-  keep(true, id, blocks, *world, beams, far);
+  keep(true, id, blocks, *sight.world, beams, far);
   for (const Stretch& s : far) see(s.beam);
   if (firings.empty()) return {0, nearestBeam(beams, axis)};
   const auto middle = firings.begin() + static_cast<std::ptrdiff_t>(firings.size() / 2);

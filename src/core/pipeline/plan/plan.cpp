@@ -79,8 +79,8 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
 // Throws InputError if a class whose objects are to be listed is unknown or has no objects, or if the output needs what
 // recordings lack: boxes or motions of objects, or geometry that no beam hit.
 void checkObjects(const Pipeline& pipeline) {
-  if (pipeline.output.objects && pipeline.recording == nullptr) {
-    const ListedObjects& listed = *pipeline.output.objects;
+  const ListedObjects listed = pipeline.output.objects.value_or(ListedObjects{});
+  if (!listed.classes.empty() && pipeline.recording == nullptr) {
     const Ontology ontology = ontologyOf(pipeline);
     for (const std::string& name : listed.classes) {
       if (ontology.require(name, listed.where).thing) continue;
